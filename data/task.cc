@@ -1,0 +1,115 @@
+#include "data/task.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+
+#include "data/base/hdf5.h"
+
+namespace sandwright {
+namespace {
+
+// NaN and mask 0 both mean "not counted"; afterwards the mask alone says so.
+void FillMask(HeightMap& goal) {
+  if (goal.mask.empty()) goal.mask.assign(goal.size(), 1);
+  for (size_t i = 0; i < goal.size(); ++i) {
+    if (std::isnan(goal.height_m[i])) goal.mask[i] = 0;
+  }
+}
+
+HeightMap ReadTaskMap(const H5::Group& group, const std::string& name, double cell_size_m,
+                      const std::string& where) {
+  auto array = ReadArray<float>(group, name, where);
+  HeightMap map;
+  map.rows = static_cast<int>(array.rows);
+  map.columns = static_cast<int>(array.columns);
+  map.cell_size_m = cell_size_m;
+  map.height_m = std::move(array.values);
+  CheckHeightMap(map, where + "/" + name, name == "goal_m");
+  return map;
+}
+
+}  // namespace
+
+void CheckTask(const Task& task, const std::string& source) {
+  if (!task.terrain.SameGrid(task.goal))
+    throw Error(fmt::format("{}: the terrain is {} x {} cells of {} m, the goal {} x {} of {} m; they "
+                            "must be equal", source, task.terrain.rows, task.terrain.columns,
+                            task.terrain.cell_size_m, task.goal.rows, task.goal.columns,
+                            task.goal.cell_size_m));
+  if (task.goal.mask.size() != task.goal.size())
+    throw Error(source + ": the mask has another size than the goal");
+  bool any = false;
+  for (uint8_t counts : task.goal.mask) any = any || counts != 0;
+  if (!any) throw Error(source + ": the goal counts no cell (mask all 0 or heights all NaN)");
+  if (task.max_strokes < 1)
+    throw Error(fmt::format("{}: max_strokes = {}; must be >= 1", source, task.max_strokes));
+}
+
+HeightMap ReadGoal(const std::filesystem::path& file) {
+  HeightMap goal = ReadHeightMap(file, true);
+  FillMask(goal);
+  return goal;
+}
+
+std::vector<Task> ReadTasks(const std::filesystem::path& file) {
+  const H5::H5File h5 = OpenHdf5(file);
+  CheckSchema(h5, file.string(), "sandwright-tasks", 1);
+  const double cell_size_m = ReadNumber(h5, "cell_size_m", file.string());
+  std::vector<Task> tasks;
+  try {
+    const H5::Group groups = h5.openGroup("tasks");
+    for (const std::string& name : GroupNames(groups)) {
+      const H5::Group group = groups.openGroup(name);
+      const std::string where = file.string() + ":/tasks/" + name;
+      Task task;
+      task.terrain = ReadTaskMap(group, "terrain_m", cell_size_m, where);
+      task.goal = ReadTaskMap(group, "goal_m", cell_size_m, where);
+      task.goal.mask = ReadArray<uint8_t>(group, "mask", where).values;
+      task.max_strokes = static_cast<int>(ReadNumber(group, "max_strokes", where));
+      CheckTask(task, where);
+      FillMask(task.goal);
+      tasks.push_back(std::move(task));
+    }
+  } catch (const H5::Exception&) {
+    throw Error(file.string() + ": group /tasks is missing or cut off");
+  }
+  if (tasks.empty()) throw Error(file.string() + ": holds no task");
+  return tasks;
+}
+
+void WriteTasks(const std::vector<Task>& tasks, const std::filesystem::path& file) {
+  SAND_CHECK(!tasks.empty());
+  WriteHdf5(file, [&](H5::H5File& h5) {
+    WriteSchema(h5, "sandwright-tasks", 1);
+    WriteNumber(h5, "cell_size_m", tasks.front().terrain.cell_size_m);
+    H5::Group groups = h5.createGroup("tasks");
+    for (size_t i = 0; i < tasks.size(); ++i) {
+      const Task& task = tasks[i];
+      CheckTask(task, fmt::format("task {}", i));
+      SAND_CHECK(task.terrain.cell_size_m == tasks.front().terrain.cell_size_m, i);
+      H5::Group group = groups.createGroup(fmt::format("{:05}", i));
+      const auto rows = static_cast<size_t>(task.terrain.rows);
+      const auto columns = static_cast<size_t>(task.terrain.columns);
+      WriteArray(group, "terrain_m", task.terrain.height_m.data(), rows, columns);
+      WriteArray(group, "goal_m", task.goal.height_m.data(), rows, columns);
+      WriteArray(group, "mask", task.goal.mask.data(), rows, columns);
+      WriteInteger(group, "max_strokes", task.max_strokes);
+    }
+  });
+}
+
+double GoalError(const HeightMap& heights, const HeightMap& goal) {
+  SAND_CHECK(heights.size() == goal.size() && goal.mask.size() == goal.size(), heights.size(), goal.size());
+  double sum = 0;
+  size_t count = 0;
+  for (size_t i = 0; i < goal.size(); ++i) {
+    if (!goal.mask[i]) continue;
+    sum += std::abs(static_cast<double>(heights.height_m[i]) - goal.height_m[i]);
+    ++count;
+  }
+  SAND_CHECK(count > 0);
+  return sum / static_cast<double>(count);
+}
+
+}  // namespace sandwright
