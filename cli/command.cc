@@ -1,0 +1,53 @@
+#include "cli/command.h"
+
+#include <thread>
+
+#include "data/base/atomic_file.h"
+#include "data/base/machine.h"
+
+namespace sandwright {
+
+void Command::DeclareCommon(CLI::App& app) {
+  name_ = app.get_name();
+  threads_ = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  app.add_option("--config", config_file_, "configuration (YAML)")->check(CLI::ExistingFile);
+  app.add_option("--seed", seed_, "seed of every random stream")->capture_default_str();
+  app.add_option("--threads", threads_, "worker threads")->check(CLI::Range(1, 1024))->capture_default_str();
+  app.add_option("--json", json_file_, "write the result here (JSON, keys with units)");
+  const std::string keys = Help(AllFields());
+  if (!keys.empty())
+    app.footer("Configuration keys, in --config or behind the flags as key=value:\n" + keys);
+}
+
+FieldList Command::AllFields() const {
+  // Fields() only hands out addresses; the command itself is not changed here.
+  FieldList fields;
+  const_cast<Command*>(this)->Fields(fields);
+  return fields;
+}
+
+void Command::Configure(const std::vector<std::string>& overrides) {
+  const FieldList fields = AllFields();
+  if (!config_file_.empty()) LoadYaml(fields, config_file_);
+  ApplyOverrides(fields, overrides);
+}
+
+nlohmann::json Command::ResolvedConfig() const { return ToJson(AllFields()); }
+
+void Command::WriteResult(nlohmann::json result) const {
+  if (json_file_.empty()) return;
+  result["command"] = name_;
+  result["config"] = ResolvedConfig();
+  result["seed"] = seed_;
+  if (!result.contains("threads")) result["threads"] = threads_;
+  result["version"] = BuildVersion();
+  result["commit"] = BuildCommit();
+  result["machine"] = MachineDescription();
+  WriteFileAtomically(json_file_, result.dump(2) + "\n");
+}
+
+void Command::WriteRefusal(const std::vector<std::string>& reasons) const {
+  WriteResult({{"accepted", false}, {"reasons", reasons}});
+}
+
+}  // namespace sandwright

@@ -1,0 +1,73 @@
+// What all subcommands share: common flags, configuration, results, exit codes.
+//
+// A subcommand is one small file with one class:
+//
+//   class ScanCommand final : public Command {
+//     void Declare(CLI::App& app) override { app.add_option("--depth", depth_, "depth frames")->required(); }
+//     void Fields(FieldList& f) override { f.Section("scan", config_); }
+//     int Run() override { ...; WriteResult({{"accepted", true}}); return 0; }
+//   };
+//   std::unique_ptr<Command> MakeScanCommand() { return std::make_unique<ScanCommand>(); }
+//
+// and one line in the table of cli/main.cc.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "data/base/config.h"
+
+namespace sandwright {
+
+class Command {
+ public:
+  virtual ~Command() = default;
+
+  virtual void Declare(CLI::App& app) = 0;   // the subcommand's own flags
+  virtual void Fields(FieldList&) {}         // its configuration keys
+  virtual int Run() = 0;                     // returns the exit code; throws Error
+
+  // Adds --config, --seed, --threads, --json and the help of the keys.
+  void DeclareCommon(CLI::App& app);
+  // --config FILE, then the dotted overrides in order.
+  void Configure(const std::vector<std::string>& overrides);
+  // The --json file for a refusal that was thrown.
+  void WriteRefusal(const std::vector<std::string>& reasons) const;
+
+ protected:
+  uint64_t seed() const { return seed_; }
+  int threads() const { return threads_; }
+  const std::string& config_file() const { return config_file_; }  // "" where none was given
+  // Adds command, config (resolved), seed, threads, version, commit and machine, and writes the
+  // --json file where one was asked for.
+  void WriteResult(nlohmann::json result) const;
+  // The resolved configuration of this run.
+  nlohmann::json ResolvedConfig() const;
+
+ private:
+  FieldList AllFields() const;
+
+  std::string name_, config_file_, json_file_;
+  uint64_t seed_ = 0;
+  int threads_ = 0;
+};
+
+// Registered in cli/main.cc, each defined in cli/<name>.cc.
+std::unique_ptr<Command> MakeScanCommand();
+std::unique_ptr<Command> MakeCollectCommand();
+std::unique_ptr<Command> MakeFitCommand();
+std::unique_ptr<Command> MakeScoreCommand();
+std::unique_ptr<Command> MakeSimulateCommand();
+std::unique_ptr<Command> MakeTrainCommand();
+std::unique_ptr<Command> MakeEvalCommand();
+std::unique_ptr<Command> MakeTasksCommand();
+std::unique_ptr<Command> MakePlanCommand();
+std::unique_ptr<Command> MakeCheckCommand();
+std::unique_ptr<Command> MakeExportCommand();
+std::unique_ptr<Command> MakeDemoCommand();
+
+}  // namespace sandwright

@@ -1,0 +1,108 @@
+// The program: finds the subcommand, resolves its configuration, turns errors into exit codes.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <functional>
+#include <iostream>
+#include <regex>
+
+#include "cli/command.h"
+#include "data/base/error.h"
+#include "data/base/machine.h"
+#include "data/base/stop.h"
+
+namespace sandwright {
+namespace {
+
+struct Entry {
+  const char* name;
+  const char* help;
+  std::unique_ptr<Command> (*make)();
+};
+
+constexpr Entry kCommands[] = {
+    {"scan", "depth frame(s) or a height array -> height map in the box frame, or a refusal", MakeScanCommand},
+    {"collect", "random strokes executed one after another, before/after kept", MakeCollectCommand},
+    {"fit", "trains a surrogate on stroke files", MakeFitCommand},
+    {"score", "accuracy of a sand model on stroke files", MakeScoreCommand},
+    {"simulate", "applies strokes to a terrain", MakeSimulateCommand},
+    {"train", "trains an agent headless", MakeTrainCommand},
+    {"eval", "an agent on tasks", MakeEvalCommand},
+    {"tasks", "makes task files", MakeTasksCommand},
+    {"plan", "terrain + goal -> gated strokes", MakePlanCommand},
+    {"check", "the safety gate alone, on a plan", MakeCheckCommand},
+    {"export", "plan -> URScript, through the gate", MakeExportCommand},
+    {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at", MakeDemoCommand},
+};
+
+// Dotted overrides (key=value) may stand anywhere that is not the value right behind a flag; taken
+// out first, so that flags with many values do not swallow them.
+std::vector<std::string> TakeOverrides(std::vector<std::string>& arguments) {
+  static const std::regex form(R"([a-z_][a-z0-9_]*(\.[a-z0-9_]+)*=.*)");
+  std::vector<std::string> overrides, rest;
+  for (size_t i = 0; i < arguments.size(); ++i) {
+    const bool behind_flag = i > 0 && arguments[i - 1].starts_with("--") &&
+                             arguments[i - 1].find('=') == std::string::npos;
+    (std::regex_match(arguments[i], form) && !behind_flag ? overrides : rest).push_back(arguments[i]);
+  }
+  arguments = std::move(rest);
+  return overrides;
+}
+
+int ExitCode(const Error& error) {
+  switch (error.kind()) {
+    case ErrorKind::kBadInput: return 2;
+    case ErrorKind::kRefused: return 3;
+    case ErrorKind::kInterrupted: return 130;
+    case ErrorKind::kInternal: return 1;
+  }
+  return 1;
+}
+
+int Main(int argc, char** argv) {
+  // Results go to stdout; everything about the run goes to stderr.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("sandwright"));
+  spdlog::set_pattern("%^%l%$: %v");
+  InstallStopHandler();
+
+  CLI::App app("Sandwright: reinforcement learning for robotic sand shaping", "sandwright");
+  app.set_version_flag("--version", BuildVersion() + " (" + BuildCommit() + ")");
+  app.require_subcommand(1);
+  std::vector<std::pair<CLI::App*, std::unique_ptr<Command>>> commands;
+  for (const Entry& entry : kCommands) {
+    CLI::App* sub = app.add_subcommand(entry.name, entry.help);
+    commands.emplace_back(sub, entry.make());
+    commands.back().second->Declare(*sub);
+    commands.back().second->DeclareCommon(*sub);
+  }
+
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  const std::vector<std::string> overrides = TakeOverrides(arguments);
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them last first
+  try {
+    app.parse(arguments);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+
+  for (auto& [sub, command] : commands) {
+    if (!sub->parsed()) continue;
+    try {
+      command->Configure(overrides);
+      return command->Run();
+    } catch (const Error& e) {
+      spdlog::error("{}", e.what());
+      if (e.kind() == ErrorKind::kRefused) command->WriteRefusal(e.reasons());
+      return ExitCode(e);
+    } catch (const std::exception& e) {
+      spdlog::error("internal fault: {}", e.what());
+      return 1;
+    }
+  }
+  return 2;
+}
+
+}  // namespace
+}  // namespace sandwright
+
+int main(int argc, char** argv) { return sandwright::Main(argc, argv); }
