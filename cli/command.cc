@@ -14,25 +14,18 @@ void Command::DeclareCommon(CLI::App& app) {
   app.add_option("--seed", seed_, "seed of every random stream")->capture_default_str();
   app.add_option("--threads", threads_, "worker threads")->check(CLI::Range(1, 1024))->capture_default_str();
   app.add_option("--json", json_file_, "write the result here (JSON, keys with units)");
-  const std::string keys = Help(AllFields());
+  Fields(fields_);
+  const std::string keys = Help(fields_);
   if (!keys.empty())
     app.footer("Configuration keys, in --config or behind the flags as key=value:\n" + keys);
 }
 
-FieldList Command::AllFields() const {
-  // Fields() only hands out addresses; the command itself is not changed here.
-  FieldList fields;
-  const_cast<Command*>(this)->Fields(fields);
-  return fields;
-}
-
 void Command::Configure(const std::vector<std::string>& overrides) {
-  const FieldList fields = AllFields();
-  if (!config_file_.empty()) LoadYaml(fields, config_file_);
-  ApplyOverrides(fields, overrides);
+  if (!config_file_.empty()) LoadYaml(fields_, config_file_);
+  ApplyOverrides(fields_, overrides);
 }
 
-nlohmann::json Command::ResolvedConfig() const { return ToJson(AllFields()); }
+nlohmann::json Command::ResolvedConfig() const { return ToJson(fields_); }
 
 void Command::WriteResult(nlohmann::json result) const {
   if (json_file_.empty()) return;

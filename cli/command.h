@@ -49,8 +49,7 @@ class Command {
   nlohmann::json ResolvedConfig() const;
 
  private:
-  FieldList AllFields() const;
-
+  FieldList fields_;
   std::string name_, config_file_, json_file_;
   uint64_t seed_ = 0;
   int threads_ = 0;
