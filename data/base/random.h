@@ -62,7 +62,7 @@ class RandomStream {
   uint64_t Index(uint64_t count) {
     const uint64_t threshold = (0 - count) % count;
     for (;;) {
-      const auto product = static_cast<unsigned __int128>(Next64()) * count;
+      const auto product = static_cast<Wide>(Next64()) * count;
       if (static_cast<uint64_t>(product) >= threshold) return static_cast<uint64_t>(product >> 64);
     }
   }
@@ -74,6 +74,8 @@ class RandomStream {
   }
 
  private:
+  __extension__ using Wide = unsigned __int128;
+
   static constexpr uint64_t Mix(uint64_t x) {  // splitmix64 finaliser
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;

@@ -1,0 +1,144 @@
+#include "data/height_map.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "data/base/atomic_file.h"
+#include "data/base/hdf5.h"
+#include "data/task.h"
+
+namespace sandwright {
+namespace {
+
+using ::testing::HasSubstr;
+
+auto Fails(const std::string& text) {
+  return ::testing::Throws<Error>(::testing::Property(&Error::what, HasSubstr(text)));
+}
+std::string Temp(const std::string& name) { return ::testing::TempDir() + "height_map_" + name; }
+
+// h = x + 2 y at the cell centres.
+HeightMap Plane(int rows, int columns, double cell_size_m) {
+  HeightMap map(rows, columns, cell_size_m);
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i)
+      map.At(j, i) = static_cast<float>((i + 0.5) * cell_size_m + 2 * (j + 0.5) * cell_size_m);
+  }
+  return map;
+}
+
+TEST(HeightMapTest, BilinearHeightIsExactOnAPlaneAndHeldOutside) {
+  const HeightMap map = Plane(4, 6, 0.01);
+  EXPECT_NEAR(HeightAt(map, 0.023, 0.017), 0.023 + 2 * 0.017, 1e-7);
+  EXPECT_NEAR(HeightAt(map, -1, 0.005), map.At(0, 0), 1e-7);
+  EXPECT_NEAR(HeightAt(map, 9, 9), map.At(3, 5), 1e-7);
+}
+
+TEST(HeightMapTest, ResampleKeepsVolumeBothWays) {
+  HeightMap map = Plane(6, 12, 0.005);
+  map.At(2, 3) += 0.04f;
+  const auto volume = [](const HeightMap& m) {
+    return std::accumulate(m.height_m.begin(), m.height_m.end(), 0.0) * m.cell_size_m * m.cell_size_m;
+  };
+  for (double cell : {0.0025, 0.01, 0.015, 0.0075}) {
+    const HeightMap other = Resample(map, cell);
+    EXPECT_NEAR(volume(other) / volume(map), 1, 1e-6) << cell;
+    EXPECT_NEAR(other.width_m(), map.width_m(), 1e-12);
+  }
+  EXPECT_THAT([&] { Resample(map, 0.007); }, Fails("0.007 does not divide"));
+}
+
+TEST(HeightMapTest, CropAndPasteAreInverse) {
+  const HeightMap map = Plane(5, 7, 0.01);
+  const CellRect rect{1, 2, 4, 6};
+  const HeightMap patch = Crop(map, rect);
+  EXPECT_EQ(patch.rows, 3);
+  EXPECT_EQ(patch.At(0, 0), map.At(1, 2));
+  HeightMap copy(5, 7, 0.01);
+  Paste(patch, rect, copy);
+  EXPECT_EQ(copy.At(3, 5), map.At(3, 5));
+  EXPECT_EQ(copy.At(0, 0), 0);
+}
+
+TEST(HeightMapTest, FilesRoundTripExactly) {
+  HeightMap map = Plane(3, 4, 0.004);
+  map.datum = Datum::kRelative;
+  map.valid.assign(map.size(), 1);
+  map.valid[5] = 0;
+  WriteHeightMap(map, Temp("a.h5"));
+  const HeightMap back = ReadHeightMap(Temp("a.h5"));
+  EXPECT_EQ(back.height_m, map.height_m);
+  EXPECT_EQ(back.valid, map.valid);
+  EXPECT_EQ(back.cell_size_m, map.cell_size_m);
+  EXPECT_EQ(back.datum, Datum::kRelative);
+}
+
+TEST(HeightMapTest, BadMapsAreNamed) {
+  HeightMap map = Plane(3, 4, 0.004);
+  map.At(1, 2) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT([&] { WriteHeightMap(map, Temp("nan.h5")); }, Fails("row 1, column 2 is nan"));
+  EXPECT_FALSE(std::filesystem::exists(Temp("nan.h5")));
+  map.At(1, 2) = std::numeric_limits<float>::infinity();
+  EXPECT_THAT([&] { CheckHeightMap(map, "m"); }, Fails("is inf"));
+  EXPECT_THAT([&] { CheckHeightMap(HeightMap(1, 1, 0.01), "tiny"); }, Fails("tiny: the map has 1 x 1"));
+  EXPECT_THAT([&] { CheckHeightMap(HeightMap(2, 2, 0), "cell"); }, Fails("cell_size_m = 0"));
+}
+
+TEST(HeightMapTest, ForeignFilesAreRefusedByName) {
+  EXPECT_THAT([&] { ReadHeightMap("missing.h5"); }, Fails("missing.h5: no such file"));
+  WriteFileAtomically(Temp("text.h5"), "this is not HDF5");
+  EXPECT_THAT([&] { ReadHeightMap(Temp("text.h5")); }, Fails("not an HDF5 file, or cut off"));
+  WriteHeightMap(Plane(30, 40, 0.004), Temp("whole.h5"));
+  const std::string bytes = ReadFile(Temp("whole.h5"));
+  WriteFileAtomically(Temp("cut.h5"), bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT([&] { ReadHeightMap(Temp("cut.h5")); }, Fails("cut off"));
+  WriteHdf5(Temp("other.h5"), [](H5::H5File& f) { WriteSchema(f, "someone-else", 1); });
+  EXPECT_THAT([&] { ReadHeightMap(Temp("other.h5")); },
+              Fails("schema is \"someone-else\"; expected \"sandwright-heightmap\""));
+  WriteHdf5(Temp("new.h5"), [](H5::H5File& f) { WriteSchema(f, "sandwright-heightmap", 2); });
+  EXPECT_THAT([&] { ReadHeightMap(Temp("new.h5")); }, Fails("schema_version of sandwright-heightmap is 2"));
+  WriteHdf5(Temp("bare.h5"), [](H5::H5File&) {});
+  EXPECT_THAT([&] { ReadHeightMap(Temp("bare.h5")); }, Fails("attribute schema is missing"));
+}
+
+TEST(TaskTest, RoundTripAndGoalError) {
+  Task task{Plane(4, 4, 0.01), Plane(4, 4, 0.01), 7};
+  task.goal.mask.assign(16, 0);
+  task.goal.mask[3] = task.goal.mask[9] = 1;
+  task.goal.height_m[3] += 0.002f;
+  task.goal.height_m[9] -= 0.004f;
+  EXPECT_NEAR(GoalError(task.terrain, task.goal), 0.003, 1e-8);
+  WriteTasks({task}, Temp("tasks.h5"));
+  const auto back = ReadTasks(Temp("tasks.h5"));
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_EQ(back[0].goal.height_m, task.goal.height_m);
+  EXPECT_EQ(back[0].goal.mask, task.goal.mask);
+  EXPECT_EQ(back[0].max_strokes, 7);
+}
+
+TEST(TaskTest, BadTasksAreNamed) {
+  Task task{Plane(4, 4, 0.01), Plane(4, 4, 0.01), 7};
+  task.goal.mask.assign(16, 0);
+  EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("counts no cell"));
+  task.goal.mask.assign(16, 1);
+  task.max_strokes = 0;
+  EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("max_strokes = 0"));
+  task.goal = Plane(4, 5, 0.01);
+  EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("they must be equal"));
+}
+
+TEST(TaskTest, NanInAGoalFileMeansNotCounted) {
+  HeightMap goal = Plane(3, 3, 0.01);
+  goal.At(1, 1) = std::numeric_limits<float>::quiet_NaN();
+  goal.mask.assign(9, 1);
+  WriteHeightMap(goal, Temp("goal.h5"));
+  EXPECT_EQ(ReadGoal(Temp("goal.h5")).mask[4], 0);
+  EXPECT_THROW(ReadHeightMap(Temp("goal.h5")), Error);  // as a terrain it is bad
+}
+
+}  // namespace
+}  // namespace sandwright
