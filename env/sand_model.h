@@ -60,6 +60,7 @@ class SandModel {
 // "Nothing changes": the cheapest rival of every model.
 class StillSand final : public SandModel {
  public:
+  explicit StillSand(Blade blade = {}) : blade_(blade) {}
   std::string name() const override { return "none"; }
   const Blade& blade() const override { return blade_; }
 

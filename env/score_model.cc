@@ -1,0 +1,269 @@
+#include "env/score_model.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "data/base/progress.h"
+#include "data/base/stop.h"
+#include "data/picture.h"
+#include "data/stroke_dataset.h"
+#include "env/paper_protocol.h"
+
+namespace sandwright {
+namespace {
+
+constexpr double kPictureRange_m = 0.012;  // of the error's colours, both ways
+constexpr std::array<int, 5> kRolloutSteps = {1, 5, 20, 50, 100};
+
+// `base` plus the change from one map to another of any cell size with the same walls.
+HeightMap AddChange(HeightMap base, const HeightMap& from, const HeightMap& to) {
+  HeightMap change = to;
+  for (size_t i = 0; i < change.size(); ++i) change.height_m[i] -= from.height_m[i];
+  if (!change.SameGrid(base)) change = Resample(change, base.cell_size_m);
+  for (size_t i = 0; i < base.size(); ++i) base.height_m[i] += change.height_m[i];
+  return base;
+}
+
+void CheckBlade(const SandModel& model, const Blade& blade, const std::string& where) {
+  const Blade& own = model.blade();
+  if (std::abs(own.width_m - blade.width_m) < 1e-6 &&
+      std::abs(own.thickness_m - blade.thickness_m) < 1e-6)
+    return;
+  throw Error(fmt::format("{}: the blade is {} x {} m; model {} is for {} x {} m", where, blade.width_m,
+                          blade.thickness_m, model.name(), own.width_m, own.thickness_m));
+}
+
+class Scorer {
+ public:
+  Scorer(const SandModel& model, const ScoreConfig& config) : model_(model), config_(config) {
+    report_.model = model.name();
+    report_.cell_size_m = config.cell_size_m;
+    report_.model_cell_size_m = model.cell_size_m().value_or(
+        config.model_cell_size_m > 0 ? config.model_cell_size_m : config.cell_size_m);
+    if (config.model_cell_size_m > 0 && config.model_cell_size_m != report_.model_cell_size_m)
+      throw Error(fmt::format("model_cell_size_m = {}: model {} is bound to {} m",
+                              config.model_cell_size_m, model.name(), report_.model_cell_size_m));
+  }
+
+  void AddFile(const std::filesystem::path& path) {
+    const StrokeFile file = ReadStrokeFile(path);
+    if (file.strokes.empty()) throw Error(path.string() + ": the file holds no stroke");
+    for (size_t i = 0; i < file.strokes.size(); ++i) {
+      ThrowIfStopRequested();
+      ScoreRecord(path, file.strokes[i], static_cast<int>(i));
+    }
+    AddReplicates(path, file);
+    if (config_.rollout) RollOut(file);
+  }
+
+  ScoreReport Finish() {
+    const auto count = static_cast<double>(report_.strokes.size());
+    report_.ms_per_stroke = seconds_ * 1e3 / count;
+    report_.floor_mm = config_.floor_mm.value_or(floor_.rmse_mm());
+    report_.floor_source = config_.floor_mm     ? "given"
+                           : floor_.pairs() > 0 ? fmt::format("{} pairs of replicates", floor_.pairs())
+                                                : "0: no replicates in the data";
+    for (const auto& [step, sums] : accrued_)
+      report_.accrued_rmse_mm[step] = std::sqrt(sums.squared_mm2 / static_cast<double>(sums.cells));
+    if (config_.paper) {
+      report_.paper_mae_mm = paper_mae_mm_ / count;
+      report_.paper_rmse_mode_mm = DensityPeak(paper_rmse_mm_);
+      report_.paper_mean_max_mm = paper_max_mm_ / count;
+    }
+    return std::move(report_);
+  }
+
+ private:
+  HeightMap OnErrorCells(const HeightMap& map) const { return Resample(map, config_.cell_size_m); }
+
+  void ScoreRecord(const std::filesystem::path& path, const StrokeRecord& record, int index) {
+    const std::string where = fmt::format("{}, stroke {}", path.string(), index);
+    CheckBlade(model_, record.blade, where);
+    const HeightMap start = Resample(record.before, report_.model_cell_size_m);
+    if (report_.strokes.empty()) Predict(start, record.path);  // the first run only warms caches
+    const auto began = std::chrono::steady_clock::now();
+    const HeightMap end = Predict(start, record.path);
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+
+    const HeightMap before = OnErrorCells(record.before), truth = OnErrorCells(record.after);
+    const HeightMap prediction = AddChange(before, start, end);
+    StrokeScore score = ScoreStroke(before, truth, prediction, record.path);
+    score.file = path.filename().string();
+    score.stroke = index;
+    score.complexity = ComplexityClass(record.stroke);
+    report_.strokes.push_back(std::move(score));
+    if (config_.paper) AddPaper(record, AddChange(record.before, start, end));
+    if (!config_.pictures.empty()) Draw(path, index, before, truth, prediction);
+  }
+
+  HeightMap Predict(const HeightMap& start, const ToolPath& path) const {
+    std::vector<SandState> states{SandState(start)};
+    model_.Apply(states, std::span(&path, 1));
+    return states.front().map();
+  }
+
+  void AddPaper(const StrokeRecord& record, const HeightMap& prediction) {
+    const PaperScore paper = ScorePaperCrop(record.after, prediction, record.path);
+    paper_mae_mm_ += paper.mae_mm;
+    paper_max_mm_ += paper.max_abs_mm;
+    paper_rmse_mm_.push_back(paper.rmse_mm);
+  }
+
+  void AddReplicates(const std::filesystem::path& path, const StrokeFile& file) {
+    for (size_t i = 0; i < file.strokes.size(); ++i) {
+      const StrokeRecord& a = file.strokes[i];
+      if (!a.replicate_of) continue;
+      size_t other = 0;
+      while (other < file.strokes.size() && fmt::format("{:05}", other) != *a.replicate_of) ++other;
+      if (other == file.strokes.size())
+        throw Error(fmt::format("{}: stroke {} is a replicate of '{}', which the file does not hold",
+                                path.string(), i, *a.replicate_of));
+      const StrokeRecord& b = file.strokes[other];
+      floor_.Add(OnErrorCells(a.before), OnErrorCells(a.after), OnErrorCells(b.before),
+                 OnErrorCells(b.after), a.path);
+    }
+  }
+
+  // Every run of consecutive steps of one sequence.
+  void RollOut(const StrokeFile& file) {
+    std::optional<SandState> state;
+    HeightMap start, before;
+    CellRect window;
+    int done = 0;
+    for (size_t i = 0; i < file.strokes.size(); ++i) {
+      ThrowIfStopRequested();
+      const StrokeRecord& record = file.strokes[i];
+      const bool follows = i > 0 && record.sequence == file.strokes[i - 1].sequence &&
+                           record.step == file.strokes[i - 1].step + 1;
+      if (!follows) {
+        start = Resample(record.before, report_.model_cell_size_m);
+        before = OnErrorCells(record.before);
+        state.emplace(start);
+        window = {};
+        done = 0;
+      }
+      model_.Apply(std::span(&*state, 1), std::span(&record.path, 1));
+      const HeightMap prediction = AddChange(before, start, state->map());
+      const HeightMap truth = OnErrorCells(record.after);
+      window = Union(window, ScoreWindow(before, truth, prediction, record.path));
+      if (std::ranges::find(kRolloutSteps, ++done) != kRolloutSteps.end())
+        AddAccrued(done, truth, prediction, window);
+    }
+  }
+
+  void AddAccrued(int step, const HeightMap& truth, const HeightMap& prediction, const CellRect& window) {
+    Sums& sums = accrued_[step];
+    for (int row = window.row0; row < window.row1; ++row) {
+      for (int column = window.column0; column < window.column1; ++column) {
+        if (!truth.valid.empty() && truth.valid[truth.Index(row, column)] == 0) continue;
+        const double error_mm = 1e3 * (static_cast<double>(prediction.At(row, column)) - truth.At(row, column));
+        sums.squared_mm2 += error_mm * error_mm;
+        ++sums.cells;
+      }
+    }
+  }
+
+  // Before, truth, prediction, and the error at +-12 mm, side by side.
+  void Draw(const std::filesystem::path& path, int index, const HeightMap& before, const HeightMap& truth,
+            const HeightMap& prediction) const {
+    const auto [low, high] = std::ranges::minmax(before.height_m);
+    const int scale = std::clamp(300 / before.columns, 1, 8);
+    const cv::Mat parts[] = {DrawHeights(before, low, high, scale), DrawHeights(truth, low, high, scale),
+                             DrawHeights(prediction, low, high, scale),
+                             DrawDifference(prediction, truth, kPictureRange_m, scale)};
+    cv::Mat row;
+    for (const cv::Mat& part : parts) {
+      cv::Mat framed(part.rows + 8, part.cols + 8, part.type(), cv::Scalar(255, 255, 255));
+      part.copyTo(framed(cv::Rect(4, 4, part.cols, part.rows)));
+      if (row.empty()) row = framed;
+      else cv::hconcat(row, framed, row);
+    }
+    std::filesystem::create_directories(config_.pictures);
+    WritePicture(row, std::filesystem::path(config_.pictures) /
+                          fmt::format("{}_{:05}.png", path.stem().string(), index));
+  }
+
+  struct Sums {
+    double squared_mm2 = 0;
+    int64_t cells = 0;
+  };
+
+  const SandModel& model_;
+  const ScoreConfig& config_;
+  ScoreReport report_;
+  NoiseFloor floor_;
+  std::map<int, Sums> accrued_;
+  double seconds_ = 0, paper_mae_mm_ = 0, paper_max_mm_ = 0;
+  std::vector<double> paper_rmse_mm_;
+};
+
+nlohmann::json Number(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+}  // namespace
+
+ScoreReport ScoreModel(const SandModel& model, std::span<const std::filesystem::path> files,
+                       const ScoreConfig& config) {
+  SAND_CHECK(!files.empty());
+  Scorer scorer(model, config);
+  Progress progress("score", static_cast<int64_t>(files.size()), "files");
+  for (size_t i = 0; i < files.size(); ++i) {
+    scorer.AddFile(files[i]);
+    progress.Update(static_cast<int64_t>(i) + 1);
+  }
+  return scorer.Finish();
+}
+
+nlohmann::json ScoreReport::ToJson() const {
+  const ScoreSummary total = Total();
+  nlohmann::json json = {{"model", model},
+                         {"strokes", total.strokes},
+                         {"cell_size_m", cell_size_m},
+                         {"model_cell_size_m", model_cell_size_m},
+                         {"mae_mm", Number(total.mae_mm)},
+                         {"rmse_mode_mm", Number(total.rmse_mode_mm)},
+                         {"rmse_mean_mm", Number(total.rmse_mean_mm)},
+                         {"mean_max_abs_mm", Number(total.mean_max_abs_mm)},
+                         {"r2_change", Number(total.r2_change)},
+                         {"explained", Number(total.explained)},
+                         {"floor_mm", floor_mm},
+                         {"floor_source", floor_source},
+                         {"volume_drift_rel", Number(total.volume_drift_rel)},
+                         {"ms_per_stroke", ms_per_stroke}};
+  for (char c = 'A'; c <= 'F'; ++c) {
+    std::vector<StrokeScore> of_class;
+    for (const StrokeScore& s : strokes) {
+      if (s.complexity == c) of_class.push_back(s);
+    }
+    const ScoreSummary summary = Summarise(of_class, floor_mm);
+    json["by_complexity"][std::string(1, c)] = {{"strokes", summary.strokes},
+                                                {"mae_mm", Number(summary.mae_mm)},
+                                                {"rmse_mean_mm", Number(summary.rmse_mean_mm)},
+                                                {"mean_max_abs_mm", Number(summary.mean_max_abs_mm)}};
+  }
+  for (const auto& [step, rmse_mm] : accrued_rmse_mm)
+    json["accrued_rmse_mm"][std::to_string(step)] = rmse_mm;
+  if (paper_mae_mm) {
+    json["paper_mae_mm"] = *paper_mae_mm;
+    json["paper_rmse_mode_mm"] = *paper_rmse_mode_mm;
+    json["paper_mean_max_mm"] = *paper_mean_max_mm;
+  }
+  json["per_stroke"] = nlohmann::json::array();
+  for (const StrokeScore& s : strokes)
+    json["per_stroke"].push_back({{"file", s.file},
+                                  {"stroke", s.stroke},
+                                  {"class", std::string(1, s.complexity)},
+                                  {"cells", s.cells},
+                                  {"mse_mm2", s.mse_mm2()},
+                                  {"change_mm2", s.change_mm2 / static_cast<double>(s.cells)},
+                                  {"max_abs_mm", s.max_abs_mm}});
+  return json;
+}
+
+}  // namespace sandwright
