@@ -16,7 +16,7 @@ struct RewardConfig {
     f.Add("per_mm", per_mm, "reward for each mm that the goal error drops [1/mm]", 0, 1000);
     f.Add("stroke_cost", stroke_cost, "cost of every stroke, rejected ones too", 0, 100);
     f.Add("outside_cost_per_cm3", outside_cost_per_cm3,
-          "cost of sand moved where the goal does not count [1/cm^3]", 0, 100);
+          "cost of sand added or taken where the goal does not count [1/cm^3]", 0, 100);
     f.Add("rejected_cost", rejected_cost, "further cost of a stroke that the gate rejects", 0, 100);
   }
 };

@@ -53,6 +53,7 @@ class ShapingEnv final : public VecEnv {
  private:
   EpisodeState NewEpisode(int index, uint64_t number) const;
   void EncodeInto(int index, ObservationBatch& batch) const;
+  ObservationBatch EmptyBatch() const;  // zeros
 
   ShapingConfig config_;
   World world_;

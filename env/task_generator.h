@@ -19,7 +19,7 @@ struct TaskConfig {
   double cell_size_m = 0.01;
   double goal_width_m = 0, goal_depth_m = 0;
   std::vector<std::string> goals = {"level", "mound", "crater", "trench", "ridge", "terrace"};
-  double margin_m = 1;
+  double margin_m = 0;
   double difficulty_low_m = 0.004, difficulty_high_m = 0.010;
   int64_t max_strokes = 10;
 
@@ -30,16 +30,16 @@ struct TaskConfig {
     f.Add("goal_width_m", goal_width_m, "goal's place along x [m]; 0: the whole box", 0, 5);
     f.Add("goal_depth_m", goal_depth_m, "goal's place along y [m]; 0: the whole box", 0, 5);
     f.Add("goals", goals, "kinds to draw from: level, mound, crater, trench, ridge, terrace");
-    f.Add("margin_m", margin_m, "how far around its shape a goal counts [m]; 1: all of its place", 0, 1);
+    f.Add("margin_m", margin_m, "how far around its shape a goal counts [m]; 0: all of its place", 0, 1);
     f.Add("difficulty_low_m", difficulty_low_m, "least goal error at the start [m]", 0.0001, 0.05);
     f.Add("difficulty_high_m", difficulty_high_m, "largest goal error at the start [m]", 0.0001, 0.05);
     f.Add("max_strokes", max_strokes, "budget of a task [strokes]", 1, 10000);
   }
 };
 
-// A random task: natural terrain and goal, both flattened about the mean sand depth by one factor so
-// that the goal error at the start is uniform over the difficulty range (flattening keeps slopes within
-// repose). Throws Error naming the range where no draw in 50 is that rough.
+// A random task: natural terrain and goal, both flattened about the mean sand depth by one factor that
+// brings the goal error at the start into the difficulty range (uniform over what the draw allows of
+// it); flattening keeps slopes within repose. Throws Error where no draw in 50 is rough enough.
 Task GenerateTask(const TaskConfig& config, RandomStream& stream);
 
 // A random goal of the given kinds on a terrain that is given; the difficulty follows from the two.
