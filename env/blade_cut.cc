@@ -1,0 +1,231 @@
+#include "env/blade_cut.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sandwright {
+namespace {
+
+// Cells exactly on the blade's front count as behind it, whatever the rounding of its heading.
+constexpr double kTie = 1e-6;  // [cells]
+
+// Share of a cell [x - cell/2, x + cell/2] that lies within [low, high].
+double Overlap(double x, double low, double high, double cell) {
+  return std::max(0.0, std::min(x + cell / 2, high) - std::max(x - cell / 2, low)) / cell;
+}
+
+void Include(CellRect& rect, int row, int column) {
+  rect = Union(rect, {row, column, row + 1, column + 1});
+}
+
+}  // namespace
+
+void BladeCut::Strips::Reset(size_t count) {
+  volume.assign(count, 0);
+  length.assign(count, 0);
+  room.assign(count, 0);
+}
+
+BladeCut::BladeCut(HeightMap& map, const Blade& blade, double rupture_ratio)
+    : map_(map),
+      cell_(map.cell_size_m),
+      half_width_(blade.width_m / 2),
+      half_thickness_(blade.thickness_m / 2),
+      rupture_ratio_(rupture_ratio),
+      strip_count_(std::max(1, static_cast<int>(blade.width_m / cell_ + 1e-6))),
+      strip_width_(blade.width_m / strip_count_) {}
+
+BladeCut::Placed BladeCut::Place(const BladePose& pose) {
+  return {pose, std::cos(pose.yaw_rad), std::sin(pose.yaw_rad)};
+}
+
+// Visits the cells whose centres lie in [u_low, u_high] along the blade's normal and within s_half
+// across it: visit(row, column, index, u, s).
+template <class Visit>
+void BladeCut::ForEachCell(const Placed& at, double u_low, double u_high, double s_half,
+                           Visit visit) const {
+  const auto [low_y, high_y] = [&] {
+    const double a = std::min(u_low * at.s, u_high * at.s), b = std::max(u_low * at.s, u_high * at.s);
+    const double half = s_half * std::abs(at.c);
+    return std::pair(at.pose.y_m + a - half, at.pose.y_m + b + half);
+  }();
+  const int row0 = static_cast<int>(std::ceil(std::max(low_y / cell_ - 0.5, 0.0)));
+  const int row1 = static_cast<int>(std::floor(std::min(high_y / cell_ - 0.5, map_.rows - 1.0)));
+  for (int row = row0; row <= row1; ++row) {
+    const double y = (row + 0.5) * cell_ - at.pose.y_m;
+    // low <= slope * x + offset <= high, twice.
+    double x_low = -at.pose.x_m, x_high = map_.width_m() - at.pose.x_m;
+    const auto clip = [&](double slope, double offset, double low, double high) {
+      if (std::abs(slope) < 1e-12) {
+        if (offset < low || offset > high) x_high = x_low - 1;
+        return;
+      }
+      const double a = (low - offset) / slope, b = (high - offset) / slope;
+      x_low = std::max(x_low, std::min(a, b));
+      x_high = std::min(x_high, std::max(a, b));
+    };
+    clip(at.c, y * at.s, u_low, u_high);
+    clip(-at.s, y * at.c, -s_half, s_half);
+    if (x_high < x_low) continue;
+    const int column0 = std::max(0, static_cast<int>(std::ceil((x_low + at.pose.x_m) / cell_ - 0.5)));
+    const int column1 = std::min(map_.columns - 1,
+                                 static_cast<int>(std::floor((x_high + at.pose.x_m) / cell_ - 0.5)));
+    for (int column = column0; column <= column1; ++column) {
+      const double x = (column + 0.5) * cell_ - at.pose.x_m;
+      visit(row, column, map_.Index(row, column), x * at.c + y * at.s, y * at.c - x * at.s);
+    }
+  }
+}
+
+double BladeCut::Across(double s) const { return Overlap(s, -half_width_, half_width_, cell_); }
+
+void BladeCut::Sample(double s, int& strip, double& share) const {
+  const double at = std::clamp((s + half_width_) / strip_width_ - 0.5, 0.0, strip_count_ - 1.0);
+  strip = std::min(static_cast<int>(at), std::max(strip_count_ - 2, 0));
+  share = strip_count_ == 1 ? 0 : at - strip;
+}
+
+// The cells on one side (+1 ahead, -1 behind) that take cut sand: rupture length a strip, weights.
+void BladeCut::FindRoom(const Placed& at, double side, Strips& strips,
+                        std::vector<Receiver>& receivers) const {
+  strips.Reset(static_cast<size_t>(strip_count_));
+  receivers.clear();
+  double longest = 0;
+  for (int k = 0; k < strip_count_; ++k) {
+    const double s = (k + 0.5) * strip_width_ - half_width_;
+    const double u = side * (half_thickness_ + cell_);
+    const double front = HeightAt(map_, at.pose.x_m + u * at.c - s * at.s, at.pose.y_m + u * at.s + s * at.c);
+    double& length = strips.length[static_cast<size_t>(k)];
+    length = std::max(cell_, rupture_ratio_ * (front - at.pose.z_m));
+    longest = std::max(longest, length);
+  }
+  const double near = half_thickness_, far = half_thickness_ + longest + cell_ / 2;
+  ForEachCell(at, side > 0 ? near : -far, side > 0 ? far : -near, half_width_ + cell_ / 2,
+              [&](int, int, size_t cell, double u, double s) {
+    if (side * u <= near + kTie * cell_) return;
+    Receiver r{cell, 0, 0, 0};
+    Sample(s, r.strip, r.share);
+    const auto k = static_cast<size_t>(r.strip), next = std::min(k + 1, strips.length.size() - 1);
+    const double length = (1 - r.share) * strips.length[k] + r.share * strips.length[next];
+    r.weight = Across(s) * Overlap(side * u, near, near + length, cell_);
+    if (r.weight <= 0) return;
+    strips.room[k] += (1 - r.share) * r.weight;
+    strips.room[next] += r.share * r.weight;
+    receivers.push_back(r);
+  });
+}
+
+CellRect BladeCut::Lay(const std::vector<Receiver>& receivers, Strips& strips) {
+  if (receivers.empty()) return {};
+  const size_t count = strips.volume.size();
+  // A strip without room (at a wall) hands its sand to the nearest one that has some.
+  for (size_t k = 0; k < count; ++k) {
+    if (strips.room[k] > 0 || strips.volume[k] == 0) continue;
+    for (size_t away = 1; away < count; ++away) {
+      const bool low = k >= away && strips.room[k - away] > 0;
+      const bool high = k + away < count && strips.room[k + away] > 0;
+      if (!low && !high) continue;
+      const double part = strips.volume[k] / (low + high);
+      if (low) strips.volume[k - away] += part;
+      if (high) strips.volume[k + away] += part;
+      break;
+    }
+    strips.volume[k] = 0;
+  }
+  CellRect touched;
+  for (size_t k = 0; k < count; ++k) {
+    if (strips.room[k] > 0) strips.volume[k] /= strips.room[k];
+  }
+  for (const Receiver& r : receivers) {
+    const auto k = static_cast<size_t>(r.strip), next = std::min(k + 1, count - 1);
+    const double rise = r.weight * ((1 - r.share) * strips.volume[k] + r.share * strips.volume[next]);
+    map_.height_m[r.cell] = static_cast<float>(map_.height_m[r.cell] + rise);
+    const int columns = map_.columns;
+    Include(touched, static_cast<int>(r.cell) / columns, static_cast<int>(r.cell) % columns);
+  }
+  return touched;
+}
+
+CellRect BladeCut::Cut(const Placed& from, const Placed& to) {
+  const double z = to.pose.z_m, sunk = from.pose.z_m - z, h = half_thickness_;
+  FindRoom(to, 1, ahead_, receivers_ahead_);
+  receivers_behind_.clear();
+  if (sunk > 0 || from.pose.yaw_rad != to.pose.yaw_rad) FindRoom(to, -1, behind_, receivers_behind_);
+  CellRect touched;
+  const auto take = [&](size_t cell, double amount, double s, Strips& strips) {
+    const float before = map_.height_m[cell];
+    map_.height_m[cell] = static_cast<float>(before - amount);
+    const double taken = static_cast<double>(before) - map_.height_m[cell];
+    int strip;
+    double share;
+    Sample(s, strip, share);
+    strips.volume[static_cast<size_t>(strip)] += (1 - share) * taken;
+    if (share > 0) strips.volume[static_cast<size_t>(strip) + 1] += share * taken;
+  };
+  const bool room_ahead = !receivers_ahead_.empty(), room_behind = !receivers_behind_.empty();
+  ForEachCell(to, -h - cell_, h + cell_, half_width_ + cell_ / 2,
+              [&](int row, int column, size_t cell, double u, double s) {
+    double excess = map_.height_m[cell] - z;
+    const double across = Across(s);
+    if (excess <= 0 || across <= 0) return;
+    const double x = (column + 0.5) * cell_ - from.pose.x_m, y = (row + 0.5) * cell_ - from.pose.y_m;
+    const double u_from = x * from.c + y * from.s;
+    // Shares of the cell behind the front and before the back, then and now. What a side newly
+    // sweeps is the excess of the part it had not yet swept.
+    const auto swept = [&](double past, double now) {
+      return now > past ? across * (now - past) / (1 - across * past) : 0.0;
+    };
+    const auto front = [&](double at) { return std::clamp((h - at) / cell_ + 0.5, 0.0, 1.0); };
+    const auto back = [&](double at) { return std::clamp((h + at) / cell_ + 0.5, 0.0, 1.0); };
+    const double by_front = room_ahead ? excess * swept(front(u_from), front(u)) : 0;
+    const double by_back = room_behind ? excess * swept(back(u_from), back(u)) : 0;
+    // A blade that goes down also presses out what stands below it.
+    const double pressed = sunk > 0 ? across * Overlap(u, -h, h, cell_) * std::min(sunk, excess) : 0;
+    const double halves = pressed / std::max(1, room_ahead + room_behind);
+    double ahead = by_front + (room_ahead ? halves : 0), behind = by_back + (room_behind ? halves : 0);
+    if (ahead + behind <= 0) return;
+    const double scale = std::min(1.0, excess / (ahead + behind));
+    if (ahead > 0) take(cell, scale * ahead, s, ahead_);
+    if (behind > 0) take(cell, scale * behind, s, behind_);
+    Include(touched, row, column);
+  });
+  if (touched.empty()) return touched;
+  for (auto [receivers, strips] : {std::pair(&receivers_ahead_, &ahead_), {&receivers_behind_, &behind_}})
+    touched = Union(touched, Lay(*receivers, *strips));
+  return touched;
+}
+
+CellRect BladeCut::Plunge(const BladePose& pose) {
+  Placed above = Place(pose);
+  const Placed at = above;
+  above.pose.z_m = std::numeric_limits<double>::max();
+  return Cut(above, at);
+}
+
+CellRect BladeCut::Advance(const BladePose& from, const BladePose& to) { return Cut(Place(from), Place(to)); }
+
+std::vector<CellFace> BladeCut::ClosedFaces(const BladePose& pose) const {
+  const Placed at = Place(pose);
+  const double front = half_thickness_ + kTie * cell_, reach = half_width_ + kTie * cell_;
+  std::vector<CellFace> closed;
+  ForEachCell(at, front - 1.5 * cell_, front + 1.5 * cell_, half_width_ + 1.5 * cell_,
+              [&](int row, int column, size_t cell, double u, double s) {
+    const auto test = [&](bool along_x) {
+      const int next_row = row + !along_x, next_column = column + along_x;
+      if (next_row >= map_.rows || next_column >= map_.columns) return;
+      const double next_u = u + (along_x ? at.c : at.s) * cell_;
+      const double next_s = s + (along_x ? -at.s : at.c) * cell_;
+      if ((u > front) == (next_u > front)) return;
+      const double crossing = s + (next_s - s) * (front - u) / (next_u - u);
+      if (std::abs(crossing) > reach) return;
+      if (std::max(map_.height_m[cell], map_.At(next_row, next_column)) <= at.pose.z_m) return;
+      closed.push_back({row, column, along_x});
+    };
+    test(true);
+    test(false);
+  });
+  return closed;
+}
+
+}  // namespace sandwright
