@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace sandwright {
@@ -12,10 +13,10 @@ constexpr double kTolerance = 1e-6;
 // The physical value of one number of an action.
 double Physical(const Action& action, int i) {
   const ActionEntry& entry = kActionSpec[static_cast<size_t>(i)];
-  const double a = action[static_cast<size_t>(i)];
+  const float a = action[static_cast<size_t>(i)];
   if (!(std::abs(a) <= 1 + kTolerance))
     throw Error(fmt::format("action[{}] ({}) = {}; allowed: [-1, 1]", i, entry.name, a));
-  const double share = (std::fmin(std::fmax(a, -1.0), 1.0) + 1) / 2;
+  const double share = (std::clamp(static_cast<double>(a), -1.0, 1.0) + 1) / 2;
   return entry.low + share * (entry.high - entry.low);
 }
 

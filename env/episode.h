@@ -33,7 +33,7 @@ struct EpisodeConfig {
   double sensor_noise_m = 0;
   int64_t max_rejected_in_a_row = 3;
   int64_t truncate_after_strokes = 0;
-  RewardConfig reward;
+  RewardConfig reward = {};
 
   void Fields(FieldList& f) {
     f.Add("region_width_m", region_width_m, "extent of the region along x [m]; 0: the whole map", 0, 5);

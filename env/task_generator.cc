@@ -17,10 +17,18 @@ double MeanHeight(const HeightMap& map) {
          static_cast<double>(map.size());
 }
 
+int WholeCells(double extent_m, double cell_size_m, const char* key) {
+  const double cells = extent_m / cell_size_m;
+  if (std::abs(cells - std::round(cells)) > 1e-6)
+    throw Error(fmt::format("{} = {} m; must be a whole number of cells of cell_size_m = {} m", key,
+                            extent_m, cell_size_m));
+  return static_cast<int>(std::round(cells));
+}
+
 // A place of the configured extent on whole cells, anywhere in the box.
 Region DrawPlace(const TaskConfig& config, const HeightMap& terrain, RandomStream& stream) {
   const auto axis = [&](double extent_m, int cells, const char* key) {
-    const int size = extent_m == 0 ? cells : static_cast<int>(std::round(extent_m / terrain.cell_size_m));
+    const int size = extent_m == 0 ? cells : WholeCells(extent_m, terrain.cell_size_m, key);
     if (size < 2 || size > cells)
       throw Error(fmt::format("{} = {} m; allowed: 0 or {} to {} m, the box", key, extent_m,
                               2 * terrain.cell_size_m, cells * terrain.cell_size_m));
@@ -85,8 +93,8 @@ Task GenerateTask(const TaskConfig& config, RandomStream& stream) {
   if (config.difficulty_high_m < config.difficulty_low_m)
     throw Error(fmt::format("difficulty_high_m = {}; must be at least difficulty_low_m = {}",
                             config.difficulty_high_m, config.difficulty_low_m));
-  const int rows = static_cast<int>(std::round(config.depth_m / config.cell_size_m));
-  const int columns = static_cast<int>(std::round(config.width_m / config.cell_size_m));
+  const int rows = WholeCells(config.depth_m, config.cell_size_m, "depth_m");
+  const int columns = WholeCells(config.width_m, config.cell_size_m, "width_m");
   double roughest_m = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
     const HeightMap terrain = GenerateTerrain(rows, columns, config.cell_size_m, stream);
