@@ -81,6 +81,32 @@ cv::Mat DrawDifference(const HeightMap& a, const HeightMap& b, double range_m, i
   return Enlarge(image, pixels_per_cell);
 }
 
+void DrawPath(cv::Mat& image, const HeightMap& map, const ToolPath& path, const Blade& blade,
+              int pixels_per_cell) {
+  constexpr int kShift = 4;  // OpenCV draws at 1/16 px
+  const auto pixel = [&](double x_m, double y_m) {
+    const double scale = pixels_per_cell / map.cell_size_m * (1 << kShift);
+    return cv::Point(static_cast<int>(std::lround(x_m * scale)),
+                     static_cast<int>(std::lround((map.depth_m() - y_m) * scale)));
+  };
+  const cv::Scalar dark(60, 20, 20);
+  const auto line = [&](const cv::Point& a, const cv::Point& b, int width) {
+    cv::line(image, a, b, dark, width, cv::LINE_AA, kShift);
+  };
+  for (size_t i = 1; i < path.size(); ++i)
+    line(pixel(path[i - 1].x_m, path[i - 1].y_m), pixel(path[i].x_m, path[i].y_m), 2);
+  for (const BladePose& end : {path.front(), path.back()}) {
+    const double dx = -std::sin(end.yaw_rad) * blade.width_m / 2, dy = std::cos(end.yaw_rad) * blade.width_m / 2;
+    line(pixel(end.x_m - dx, end.y_m - dy), pixel(end.x_m + dx, end.y_m + dy), 2);
+  }
+  const BladePose& last = path.back();
+  for (double side : {-2.6, 2.6}) {
+    const double heading = last.yaw_rad + side, length = blade.width_m / 4;
+    line(pixel(last.x_m, last.y_m),
+         pixel(last.x_m + length * std::cos(heading), last.y_m + length * std::sin(heading)), 2);
+  }
+}
+
 std::string EncodePng(const cv::Mat& bgr) {
   std::vector<uchar> bytes;
   if (!cv::imencode(".png", bgr, bytes)) throw Error("cannot encode a picture", ErrorKind::kInternal);

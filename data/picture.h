@@ -6,6 +6,7 @@
 #include <string>
 
 #include "data/height_map.h"
+#include "data/stroke.h"
 
 namespace sandwright {
 
@@ -14,6 +15,11 @@ cv::Mat DrawHeights(const HeightMap& map, double low_m, double high_m, int pixel
 // Signed difference a - b on a diverging scale: blue below, white zero, red above, +-range_m.
 // Cells whose `mask` of `b` is 0 are grey.
 cv::Mat DrawDifference(const HeightMap& a, const HeightMap& b, double range_m, int pixels_per_cell = 1);
+
+// Draws a tool path over a picture of `map` of that scale: the line of the blade's middle, the blade
+// across it at both ends, an arrow head at the last.
+void DrawPath(cv::Mat& image, const HeightMap& map, const ToolPath& path, const Blade& blade,
+              int pixels_per_cell);
 
 // Writes by extension (.png), whole or not at all.
 void WritePicture(const cv::Mat& bgr, const std::filesystem::path& file);

@@ -1,0 +1,29 @@
+// Line charts as inline SVG for the pages that the program writes.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sandwright {
+
+struct ChartSeries {
+  std::string name;
+  std::vector<double> x, y;
+  std::string colour;  // any CSS colour
+  bool markers = true;
+};
+
+struct Chart {
+  std::string x_label, y_label;
+  std::vector<ChartSeries> series;
+  std::optional<double> reference_y;  // a dashed line, e.g. a target
+  std::string reference_name;
+  bool from_zero = true;  // the y axis starts at zero
+  int width_px = 640, height_px = 320;
+};
+
+// An <svg> element with axes, ticks at round numbers and a legend.
+std::string DrawChart(const Chart& chart);
+
+}  // namespace sandwright
