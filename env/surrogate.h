@@ -1,0 +1,64 @@
+// The learned sand model: what a small net knows better, added to the heightfield's prediction.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "env/heightfield.h"
+#include "env/surrogate_net.h"
+
+namespace sandwright {
+
+// Everything that decides a prediction, kept in the model's file.
+struct SurrogateConfig {
+  double cell_size_m = 0.004;    // the cells it was trained on: it works on no others
+  bool conserve_volume = false;  // the net's correction adds and removes the same volume
+  int64_t threads = 1;           // for a batch of strokes
+  SurrogateNetConfig net;
+  HeightfieldConfig heightfield;  // what the net was trained on top of, its blade included
+
+  void Fields(FieldList& f) {
+    f.Add("cell_size_m", cell_size_m, "cells of the maps [m]", 0.001, 0.05);
+    f.Add("conserve_volume", conserve_volume, "the net's correction adds and removes the same volume");
+    f.Add("threads", threads, "threads for a batch of strokes", 1, 1024);
+    f.Section("net", net);
+    f.Section("heightfield", heightfield);
+  }
+};
+
+// The heightfield is applied to the whole map; the net's residual is added inside StrokeWindow, so
+// beyond it the surrogate is the heightfield. A residual that takes sand away is an outflow, and a
+// cell gives at most what lies on the floor there, so heights stay >= 0 by construction (on a map
+// whose datum is relative the floor is unknown and nothing is limited). With conserve_volume the
+// larger of total inflow and total outflow is scaled down to the other: that keeps the volume to
+// rounding, and the bound on the outflow with it.
+class Surrogate final : public SandModel {
+ public:
+  // The heightfield that is inside and the net; `source` names where they came from in messages.
+  Surrogate(const SurrogateConfig& config, const Safetensors& parameters, const std::string& source);
+
+  std::string name() const override { return "surrogate"; }
+  const Blade& blade() const override { return config_.heightfield.blade; }
+  std::optional<double> cell_size_m() const override { return config_.cell_size_m; }
+  const SurrogateConfig& config() const { return config_; }
+
+ protected:
+  std::vector<Outcome> ApplyChecked(std::span<SandState> states,
+                                    std::span<const ToolPath> paths) const override;
+
+ private:
+  void Correct(const HeightMap& before, const ToolPath& path, SandState& state, Outcome& outcome) const;
+
+  SurrogateConfig config_;
+  Heightfield heightfield_;
+  SurrogateNet net_;
+};
+
+// Adds `residual_m` (one value a cell of `rect`, row-major) to `map` under the rules above.
+void AddResidual(const CellRect& rect, std::vector<double> residual_m, bool conserve_volume, HeightMap& map);
+
+// A file that `fit` wrote: metadata "schema" = "sandwright-surrogate" and "config" (the resolved
+// SurrogateConfig as JSON), and the net's tensors. Error naming the file and what is wrong.
+Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads);
+
+}  // namespace sandwright
