@@ -29,6 +29,15 @@ HeightMap ReadTaskMap(const H5::Group& group, const std::string& name, double ce
   return map;
 }
 
+// Files of other programs may leave it out: heights are then above the floor.
+Datum ReadDatum(const H5::Group& group, const std::string& where) {
+  if (!HasAttribute(group, "datum")) return Datum::kFloor;
+  const std::string datum = ReadText(group, "datum", where);
+  if (datum != "floor" && datum != "relative")
+    throw Error(where + ": datum is \"" + datum + "\"; allowed: floor, relative");
+  return datum == "floor" ? Datum::kFloor : Datum::kRelative;
+}
+
 }  // namespace
 
 void CheckTask(const Task& task, const std::string& source) {
@@ -37,6 +46,9 @@ void CheckTask(const Task& task, const std::string& source) {
                             "must be equal", source, task.terrain.rows, task.terrain.columns,
                             task.terrain.cell_size_m, task.goal.rows, task.goal.columns,
                             task.goal.cell_size_m));
+  if (task.terrain.datum != task.goal.datum)
+    throw Error(source + ": one of terrain and goal has datum floor, the other relative; their heights "
+                "cannot be compared");
   if (task.goal.mask.size() != task.goal.size())
     throw Error(source + ": the mask has another size than the goal");
   bool any = false;
@@ -67,6 +79,7 @@ std::vector<Task> ReadTasks(const std::filesystem::path& file) {
       task.goal = ReadTaskMap(group, "goal_m", cell_size_m, where);
       task.goal.mask = ReadArray<uint8_t>(group, "mask", where).values;
       task.max_strokes = static_cast<int>(ReadNumber(group, "max_strokes", where));
+      task.terrain.datum = task.goal.datum = ReadDatum(group, where);
       CheckTask(task, where);
       FillMask(task.goal);
       tasks.push_back(std::move(task));
@@ -95,6 +108,7 @@ void WriteTasks(const std::vector<Task>& tasks, const std::filesystem::path& fil
       WriteArray(group, "goal_m", task.goal.height_m.data(), rows, columns);
       WriteArray(group, "mask", task.goal.mask.data(), rows, columns);
       WriteInteger(group, "max_strokes", task.max_strokes);
+      WriteText(group, "datum", task.terrain.datum == Datum::kFloor ? "floor" : "relative");
     }
   });
 }

@@ -14,13 +14,13 @@ struct Task {
   int max_strokes = 20;
 };
 
-// Throws Error where grids differ, the mask counts nothing, or the budget is not positive.
+// Throws Error where grids or datums differ, the mask counts nothing, or the budget is not positive.
 void CheckTask(const Task& task, const std::string& source);
 
 // A goal from a height map file: NaN and mask 0 mean "not counted"; the mask is filled.
 HeightMap ReadGoal(const std::filesystem::path& file);
 
-// Task files, schema "sandwright-tasks" version 1.
+// Task files, schema "sandwright-tasks" version 1, with a `datum` beside each task's `max_strokes`.
 std::vector<Task> ReadTasks(const std::filesystem::path& file);
 void WriteTasks(const std::vector<Task>& tasks, const std::filesystem::path& file);
 
