@@ -21,18 +21,7 @@ struct Entry {
 };
 
 constexpr Entry kCommands[] = {
-    {"scan", "depth frame(s) or a height array -> height map in the box frame, or a refusal", MakeScanCommand},
-    {"collect", "random strokes executed one after another, before/after kept", MakeCollectCommand},
-    {"fit", "trains a surrogate on stroke files", MakeFitCommand},
-    {"score", "accuracy of a sand model on stroke files", MakeScoreCommand},
-    {"simulate", "applies strokes to a terrain", MakeSimulateCommand},
-    {"train", "trains an agent headless", MakeTrainCommand},
-    {"eval", "an agent on tasks", MakeEvalCommand},
     {"tasks", "makes task files", MakeTasksCommand},
-    {"plan", "terrain + goal -> gated strokes", MakePlanCommand},
-    {"check", "the safety gate alone, on a plan", MakeCheckCommand},
-    {"export", "plan -> URScript, through the gate", MakeExportCommand},
-    {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at", MakeDemoCommand},
 };
 
 // Dotted overrides (key=value) may stand anywhere that is not the value right behind a flag; taken

@@ -9,16 +9,16 @@ namespace sandwright {
 
 struct ChartSeries {
   std::string name;
-  std::vector<double> x, y;
-  std::string colour;  // any CSS colour
+  std::vector<double> x = {}, y = {};
+  std::string colour = {};  // any CSS colour
   bool markers = true;
 };
 
 struct Chart {
   std::string x_label, y_label;
-  std::vector<ChartSeries> series;
-  std::optional<double> reference_y;  // a dashed line, e.g. a target
-  std::string reference_name;
+  std::vector<ChartSeries> series = {};
+  std::optional<double> reference_y = {};  // a dashed line, e.g. a target
+  std::string reference_name = {};
   bool from_zero = true;  // the y axis starts at zero
   int width_px = 640, height_px = 320;
 };
