@@ -9,6 +9,13 @@
 
 namespace sandwright {
 
+CellRect Union(const CellRect& a, const CellRect& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  return {std::min(a.row0, b.row0), std::min(a.column0, b.column0), std::max(a.row1, b.row1),
+          std::max(a.column1, b.column1)};
+}
+
 void CheckHeightMap(const HeightMap& map, const std::string& source, bool nan_allowed) {
   if (map.rows < 2 || map.columns < 2)
     throw Error(fmt::format("{}: the map has {} x {} cells; at least 2 x 2 are needed", source,

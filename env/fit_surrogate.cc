@@ -1,12 +1,13 @@
 #include "env/fit_surrogate.h"
 
-#include <spdlog/fmt/fmt.h>
 #include <torch/torch.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <numbers>
 #include <numeric>
+#include <sstream>
 
 #include "data/base/progress.h"
 #include "data/base/random.h"
@@ -79,7 +80,7 @@ class TrainingNet {
       const std::string name = shapes_[i / 2].name + (i % 2 == 0 ? ".weight" : ".bias");
       const NamedTensor& tensor = file.Tensor(name, source);
       if (tensor.shape != parameters_[i].sizes().vec())
-        throw Error(fmt::format("{}: tensor {} has another shape than the configured net", source, name));
+        throw Error(source + ": tensor " + name + " has another shape than the configured net");
       std::ranges::copy(tensor.values, parameters_[i].data_ptr<float>());
     }
   }
@@ -186,9 +187,10 @@ class Trainer {
     const double delta = config_.huber_mm / kResidualScale_mm;
     const auto loss = torch::huber_loss(prediction, batch.target, at::Reduction::Sum, delta) / cells;
     if (!std::isfinite(loss.item<double>())) {
-      std::string names;
-      for (const FitSample& s : chosen) names += "\n  " + s.name;
-      throw Error(fmt::format("fit: the loss is not finite in epoch {}, batch {}:{}", epoch, index + 1, names));
+      std::string message = "fit: the loss is not finite in epoch " + std::to_string(epoch) + ", batch " +
+                            std::to_string(index + 1) + ":";
+      for (const FitSample& s : chosen) message += "\n  " + s.name;
+      throw Error(message);
     }
     loss.backward();
     torch::nn::utils::clip_grad_norm_(net_.parameters(), 1.0);
@@ -204,10 +206,17 @@ class Trainer {
   torch::optim::AdamW optimiser_;
 };
 
+// "1.23 mm". (torch brings an fmt of its own that must not meet the system's in one file.)
+std::string Millimetres(double value_mm) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3) << value_mm << " mm";
+  return text.str();
+}
+
 void CheckBeds(const FitSamples& data, const FitSamples& validation) {
   for (const std::string& bed : validation.beds) {
     if (data.beds.contains(bed))
-      throw Error(fmt::format("bed '{}' is in both --data and --validation; split by bed, never by stroke", bed));
+      throw Error("bed '" + bed + "' is in both --data and --validation; split by bed, never by stroke");
   }
 }
 
@@ -248,7 +257,7 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
     if (report.stopped) break;
     report.epochs = epoch;
     report.train_rmse_mm = error.rmse_mm();
-    std::string note = fmt::format("training {:.3f} mm", report.train_rmse_mm);
+    std::string note = "training " + Millimetres(report.train_rmse_mm);
     if (validation.samples.empty()) {
       report.best_epoch = epoch;
       trainer.net().Save(report.model);
@@ -259,8 +268,8 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
         report.best_epoch = epoch;
         trainer.net().Save(report.model);
       }
-      note += fmt::format(", validation {:.3f} mm (best {:.3f}, heightfield {:.3f})", rmse_mm,
-                          *report.validation_rmse_mm, *report.validation_heightfield_rmse_mm);
+      note += ", validation " + Millimetres(rmse_mm) + ", best " + Millimetres(*report.validation_rmse_mm) +
+              ", heightfield " + Millimetres(*report.validation_heightfield_rmse_mm);
     }
     progress.Update(epoch, note);
     if (epoch - report.best_epoch >= config.patience) break;

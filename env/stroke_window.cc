@@ -35,13 +35,6 @@ CellRect StrokeWindow(const HeightMap& map, const ToolPath& path) {
   return rect.empty() ? CellRect{} : rect;
 }
 
-CellRect Union(const CellRect& a, const CellRect& b) {
-  if (a.empty()) return b;
-  if (b.empty()) return a;
-  return {std::min(a.row0, b.row0), std::min(a.column0, b.column0), std::max(a.row1, b.row1),
-          std::max(a.column1, b.column1)};
-}
-
 CellRect ChangedBounds(const HeightMap& before, const HeightMap& after, double threshold_m) {
   SAND_CHECK(before.SameGrid(after));
   CellRect bounds;

@@ -14,9 +14,6 @@ inline constexpr double kWindowAhead_m = 0.120;   // beyond the path's end, in i
 // last pose; clipped to the map (empty where nothing is left). The path must not be empty.
 CellRect StrokeWindow(const HeightMap& map, const ToolPath& path);
 
-// The smallest rectangle that holds both; an empty one adds nothing.
-CellRect Union(const CellRect& a, const CellRect& b);
-
 // Bounds of the cells where two maps of one grid differ by more than `threshold_m` (may be empty).
 CellRect ChangedBounds(const HeightMap& before, const HeightMap& after, double threshold_m);
 
