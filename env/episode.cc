@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "data/base/parallel.h"
+#include "robot_model/safety_gate.h"
 
 namespace sandwright {
 namespace {
@@ -17,6 +18,18 @@ SandState Sense(const SandState& sand, double noise_m, RandomStream& stream) {
   HeightMap sensed = sand.map();
   for (float& h : sensed.height_m) h += static_cast<float>(noise_m * stream.Normal());
   return SandState(std::move(sensed));
+}
+
+// A gate for another blade or box would judge strokes that are not the ones executed.
+void CheckGateFits(const World& world, const HeightMap& map) {
+  const Workcell& cell = world.gate->workcell();
+  const Blade &gated = cell.tool.blade, &sand = world.sand.blade();
+  if (gated.width_m != sand.width_m || gated.thickness_m != sand.thickness_m)
+    throw Error(fmt::format("the workcell's blade is {} x {} m, the sand model's {} x {} m; they must be equal",
+                            gated.width_m, gated.thickness_m, sand.width_m, sand.thickness_m));
+  if (std::abs(cell.box.width_m - map.width_m()) > 1e-6 || std::abs(cell.box.depth_m - map.depth_m()) > 1e-6)
+    throw Error(fmt::format("the workcell's box is {:.4g} x {:.4g} m, the terrain {:.4g} x {:.4g} m; they must "
+                            "be equal", cell.box.width_m, cell.box.depth_m, map.width_m(), map.depth_m()));
 }
 
 // [low, low + extent) around `middle` along one axis, moved inside [0, wall] where it fits.
@@ -95,6 +108,11 @@ std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world, const 
     StrokeResult& result = results[i].emplace();
     result.stroke = DecodeAction(actions[i], episode.sensed.map(), episode.region, world.sand.blade(),
                                  config.speed_mps);
+    if (!world.gate) return;
+    CheckGateFits(world, episode.sensed.map());
+    GateVerdict verdict = world.gate->Check(result.stroke, episode.sensed.map(), GateSampling::kCoarse);
+    SAND_CHECK(verdict.accepted == verdict.reasons.empty(), verdict.accepted);
+    result.rejected_for = std::move(verdict.reasons);
   });
 
   // Sand: one batch of the accepted strokes, so that a learned model evaluates them together.

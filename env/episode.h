@@ -91,7 +91,8 @@ TaskView View(const EpisodeState& episode);
 // One stroke of each episode: decode, gate, sand, sense, reward. Episodes that have ended are left
 // alone and give no result. Terminated: success, budget used up, or too many rejected strokes in a row;
 // truncated: only EpisodeConfig::truncate_after_strokes. A rejected stroke uses up budget and moves
-// no sand. Throws Error before anything changes where an action is not in [-1, 1].
+// no sand. Throws Error before anything changes where an action is not in [-1, 1], or where the gate's
+// blade or box is another than the sand's.
 std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world, const EpisodeConfig& config,
                                                       std::span<EpisodeState> episodes,
                                                       std::span<const Action> actions);

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "robot_model/safety_gate.h"
+
 namespace sandwright {
 namespace {
 
@@ -53,6 +55,15 @@ std::vector<EpisodeState> Start(std::shared_ptr<const Task> task, const EpisodeC
 }
 
 const std::vector<Action> kAction(1);
+
+// The shipped cell with a box of the tasks' size.
+Workcell SmallCell() {
+  Workcell cell;
+  cell.box.width_m = 0.2;
+  cell.box.depth_m = 0.1;
+  return cell;
+}
+
 
 TEST(RegionOf, IsTheMapOrItsPartAroundTheGoal) {
   const auto task = MakeTask();
@@ -105,6 +116,36 @@ TEST(StepEpisodes, EndedEpisodesAreLeftAlone) {
   EXPECT_FALSE(StepEpisodes({.sand = other}, {}, episodes, kAction)[0].has_value());
   EXPECT_EQ(episodes[0].sand.map().At(0, 0), 0.055f);
   EXPECT_EQ(episodes[0].strokes(), 1);
+}
+
+TEST(StepEpisodes, RejectedStrokeMovesNoSandAndUsesUpBudget) {
+  const FloodSand flood(0.055f);
+  const SafetyGate gate(SmallCell());
+  auto episodes = Start(MakeTask());
+  const std::vector<Action> away = {{1, 1, 0, 1, 0, 0, 0}};  // out through the wall
+  for (int k = 1; k <= 3; ++k) {
+    const auto result = StepEpisodes({.sand = flood, .gate = &gate}, {}, episodes, away);
+    EXPECT_FALSE(result[0]->accepted());
+    EXPECT_NEAR(result[0]->reward.total(), RejectedReward({}).total(), 1e-12);
+    EXPECT_EQ(episodes[0].sand.map().At(0, 0), 0.05f);
+    EXPECT_EQ(View(episodes[0]).strokes_used, k);
+    EXPECT_EQ(View(episodes[0]).rejected_in_a_row, k);
+    EXPECT_EQ(episodes[0].terminated, k == 3);
+  }
+  EXPECT_EQ(EpisodeMetrics(episodes[0], {}).at("rejected_strokes"), 3);
+}
+
+TEST(StepEpisodes, GateMustBeOfTheSameBladeAndBox) {
+  const FloodSand flood(0.055f);
+  auto episodes = Start(MakeTask());
+  Workcell cell = SmallCell();
+  cell.tool.blade.width_m = 0.06;
+  const SafetyGate other_blade(cell), other_box{Workcell{}};
+  EXPECT_THAT([&] { StepEpisodes({.sand = flood, .gate = &other_blade}, {}, episodes, kAction); },
+              ThrowsMessage<Error>(HasSubstr("blade is 0.06 x 0.005 m, the sand model's 0.05 x 0.005 m")));
+  EXPECT_THAT([&] { StepEpisodes({.sand = flood, .gate = &other_box}, {}, episodes, kAction); },
+              ThrowsMessage<Error>(HasSubstr("box is 1.2 x 0.8 m, the terrain 0.2 x 0.1 m")));
+  EXPECT_EQ(episodes[0].budget_used, 0);
 }
 
 TEST(StepEpisodes, SensorNoiseIsSeenButIsNotTheTruth) {
