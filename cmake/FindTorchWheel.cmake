@@ -11,8 +11,9 @@ if(torch_missing)
 endif()
 
 add_library(sandwright_torch INTERFACE)
-target_include_directories(sandwright_torch SYSTEM INTERFACE
-  ${torch_root}/include ${torch_root}/include/torch/csrc/api/include)
+# Behind the system's own folders: the wheel carries a copy of fmt that is not spdlog's.
+target_compile_options(sandwright_torch INTERFACE "SHELL:-idirafter ${torch_root}/include"
+  "SHELL:-idirafter ${torch_root}/include/torch/csrc/api/include")
 target_link_directories(sandwright_torch INTERFACE ${torch_root}/lib)
 target_link_options(sandwright_torch INTERFACE "LINKER:-rpath,${torch_root}/lib")
 target_link_libraries(sandwright_torch INTERFACE torch torch_cpu c10)
