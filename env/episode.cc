@@ -46,6 +46,38 @@ void EndIfDue(const EpisodeConfig& config, EpisodeState& episode) {
                       episode.strokes() >= config.truncate_after_strokes;
 }
 
+StrokeResult DecodeAndGate(const World& world, const EpisodeConfig& config, const EpisodeState& episode,
+                           const Action& action) {
+  const HeightMap& sensed = episode.sensed.map();
+  StrokeResult result;
+  result.stroke = DecodeAction(action, sensed, episode.region, world.sand.blade(), config.speed_mps);
+  if (!world.gate) return result;
+  CheckGateFits(world, sensed);
+  GateVerdict verdict = world.gate->Check(result.stroke, sensed, GateSampling::kCoarse);
+  SAND_CHECK(verdict.accepted == verdict.reasons.empty(), verdict.accepted);
+  result.rejected_for = std::move(verdict.reasons);
+  return result;
+}
+
+void RewardAndSense(const EpisodeConfig& config, SandState after, EpisodeState& episode,
+                    StrokeResult& result) {
+  ++episode.budget_used;
+  if (result.accepted()) {
+    result.reward = StrokeReward(config.reward, episode.sand.map(), after.map(), episode.task->goal);
+    episode.sand = std::move(after);
+    episode.moved_volume_m3 += result.outcome.moved_volume_m3;
+    episode.rejected_in_a_row = 0;
+  } else {
+    result.reward = RejectedReward(config.reward);
+    ++episode.rejected_in_a_row;
+    ++episode.rejected_strokes;
+  }
+  episode.sensed = Sense(episode.sand, config.sensor_noise_m, episode.noise);
+  episode.episode_return += result.reward.total();
+  episode.goal_error_m.push_back(GoalError(episode.sand.map(), episode.task->goal));
+  EndIfDue(config, episode);
+}
+
 }  // namespace
 
 Region RegionOf(const Task& task, const EpisodeConfig& config) {
@@ -99,23 +131,12 @@ std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world, const 
   SAND_CHECK(episodes.size() == actions.size(), episodes.size(), actions.size());
   const int count = static_cast<int>(episodes.size());
   std::vector<std::optional<StrokeResult>> results(episodes.size());
-
-  // Decode and gate.
   ParallelFor(count, world.threads, [&](int n) {
     const auto i = static_cast<size_t>(n);
-    const EpisodeState& episode = episodes[i];
-    if (episode.ended()) return;
-    StrokeResult& result = results[i].emplace();
-    result.stroke = DecodeAction(actions[i], episode.sensed.map(), episode.region, world.sand.blade(),
-                                 config.speed_mps);
-    if (!world.gate) return;
-    CheckGateFits(world, episode.sensed.map());
-    GateVerdict verdict = world.gate->Check(result.stroke, episode.sensed.map(), GateSampling::kCoarse);
-    SAND_CHECK(verdict.accepted == verdict.reasons.empty(), verdict.accepted);
-    result.rejected_for = std::move(verdict.reasons);
+    if (!episodes[i].ended()) results[i] = DecodeAndGate(world, config, episodes[i], actions[i]);
   });
 
-  // Sand: one batch of the accepted strokes, so that a learned model evaluates them together.
+  // One batch of the accepted strokes, so that a learned model evaluates them together.
   std::vector<size_t> accepted;
   std::vector<SandState> states;
   std::vector<Stroke> strokes;
@@ -125,7 +146,7 @@ std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world, const 
     states.push_back(episodes[i].sand);
     strokes.push_back(results[i]->stroke);
   }
-  std::vector<Outcome> outcomes = world.sand.Apply(states, strokes);
+  const std::vector<Outcome> outcomes = world.sand.Apply(states, strokes);
   std::vector<SandState> after;
   for (const EpisodeState& episode : episodes) after.push_back(episode.sand);
   for (size_t k = 0; k < accepted.size(); ++k) {
@@ -133,28 +154,9 @@ std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world, const 
     results[accepted[k]]->outcome = outcomes[k];
   }
 
-  // Reward and sense.
   ParallelFor(count, world.threads, [&](int n) {
     const auto i = static_cast<size_t>(n);
-    if (!results[i]) return;
-    EpisodeState& episode = episodes[i];
-    StrokeResult& result = *results[i];
-    ++episode.budget_used;
-    if (result.accepted()) {
-      result.reward =
-          StrokeReward(config.reward, episode.sand.map(), after[i].map(), episode.task->goal);
-      episode.sand = std::move(after[i]);
-      episode.moved_volume_m3 += result.outcome.moved_volume_m3;
-      episode.rejected_in_a_row = 0;
-    } else {
-      result.reward = RejectedReward(config.reward);
-      ++episode.rejected_in_a_row;
-      ++episode.rejected_strokes;
-    }
-    episode.sensed = Sense(episode.sand, config.sensor_noise_m, episode.noise);
-    episode.episode_return += result.reward.total();
-    episode.goal_error_m.push_back(GoalError(episode.sand.map(), episode.task->goal));
-    EndIfDue(config, episode);
+    if (results[i]) RewardAndSense(config, std::move(after[i]), episodes[i], *results[i]);
   });
   return results;
 }
