@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "env/avalanche_kernel.h"
 
@@ -20,6 +21,8 @@ constexpr int kMaxStages = 9;
 constexpr double kFlowTolerance = 1e-2, kRestTolerance = 1e-3;
 // Above the rounding of slopes in float, so that a slope exactly at the angle does not creep.
 constexpr double kRoundingSlack = 2e-5;
+// Change of a firm cell, as a share of the critical rise, that makes it loose.
+constexpr double kLoosening = 1e-2;
 // Sand may run this many cells past the steep ones in one step.
 constexpr int kMargin = 4;
 
@@ -29,25 +32,32 @@ float LowestIn(const std::vector<float>& heights) {
 
 }  // namespace
 
-CellRect Union(const CellRect& a, const CellRect& b) {
-  if (a.empty()) return b;
-  if (b.empty()) return a;
-  return {std::min(a.row0, b.row0), std::min(a.column0, b.column0), std::max(a.row1, b.row1),
-          std::max(a.column1, b.column1)};
+Avalanche::Avalanche(HeightMap& map) : map_(map), resist_(map.size(), kFirm) {}
+
+void Avalanche::Disturb(std::span<const size_t> cells) {
+  const auto columns = static_cast<size_t>(map_.columns);
+  for (const size_t cell : cells) {
+    resist_[cell] = 1;
+    const int row = static_cast<int>(cell / columns), column = static_cast<int>(cell % columns);
+    active_ = Union(active_, {row, column, row + 1, column + 1});
+  }
+  touched_ = Union(touched_, active_);
 }
 
-void Avalanche::Load(const CellRect& active, const std::vector<CellFace>& closed) {
+void Avalanche::Load(const CellRect& active, std::span<const CellFace> closed) {
   window_ = {std::max(active.row0 - kMargin, 0), std::max(active.column0 - kMargin, 0),
              std::min(active.row1 + kMargin, map_.rows),
              std::min(active.column1 + kMargin, map_.columns)};
   stride_ = window_.columns() + 2;
   const size_t size = static_cast<size_t>(stride_) * static_cast<size_t>(window_.rows() + 2);
-  for (std::vector<float>* y : {&start_, &y1_, &y2_, &out_}) y->resize(size);
+  for (std::vector<float>* y : {&start_, &y1_, &y2_, &out_, &window_resist_}) y->resize(size);
   for (int row = -1; row <= window_.rows(); ++row) {
     const int from = std::clamp(window_.row0 + row, 0, map_.rows - 1);
     const float* source = &map_.height_m[map_.Index(from, 0)];
     float* target = &start_[static_cast<size_t>((row + 1) * stride_)];
     std::copy(source + window_.column0, source + window_.column1, target + 1);
+    std::copy_n(&resist_[map_.Index(from, window_.column0)], window_.columns(),
+                &window_resist_[static_cast<size_t>((row + 1) * stride_ + 1)]);
     target[0] = source[std::max(window_.column0 - 1, 0)];
     target[stride_ - 1] = source[std::min(window_.column1, map_.columns - 1)];
   }
@@ -66,11 +76,16 @@ void Avalanche::Load(const CellRect& active, const std::vector<CellFace>& closed
   }
 }
 
-void Avalanche::Store() {
+void Avalanche::Store(double rise_m) {
+  const auto moved = static_cast<float>(kLoosening * rise_m);
   for (int row = 0; row < window_.rows(); ++row) {
     const float* source = &start_[static_cast<size_t>((row + 1) * stride_ + 1)];
-    std::copy(source, source + window_.columns(),
-              &map_.height_m[map_.Index(window_.row0 + row, window_.column0)]);
+    const size_t first = map_.Index(window_.row0 + row, window_.column0);
+    float *target = &map_.height_m[first], *resist = &resist_[first];
+    for (int i = 0; i < window_.columns(); ++i) {
+      if (std::abs(source[i] - target[i]) > moved) resist[i] = 1;
+      target[i] = source[i];
+    }
   }
   touched_ = Union(touched_, window_);
 }
@@ -94,8 +109,8 @@ void Avalanche::MirrorWalls(std::vector<float>& y) const {
 void Avalanche::Stage(const std::vector<float>& y1, const std::vector<float>& y2, float momentum,
                       float step, double rise_m, std::vector<float>& out) {
   flux_.resize(3 * static_cast<size_t>(stride_));
-  AdvanceWindow({y1.data(), y2.data(), out.data(), open_x_.data(), open_y_.data(), flux_.data(),
-                 window_.rows(), window_.columns(), stride_, mask_row0_, mask_row1_, momentum, step,
+  AdvanceWindow({y1.data(), y2.data(), out.data(), open_x_.data(), open_y_.data(),
+                 window_resist_.data(), flux_.data(), window_.rows(), window_.columns(), stride_, mask_row0_, mask_row1_, momentum, step,
                  static_cast<float>(rise_m)});
   MirrorWalls(out);
 }
@@ -104,8 +119,8 @@ Avalanche::Steepness Avalanche::FindSteep(double rise_m) {
   const int rows = window_.rows(), columns = window_.columns();
   std::vector<float> of_row(static_cast<size_t>(rows)), of_column(static_cast<size_t>(columns));
   flux_.resize(3 * static_cast<size_t>(stride_));
-  SteepestFaces({start_.data(), nullptr, nullptr, open_x_.data(), open_y_.data(), flux_.data(), rows,
-                 columns, stride_, mask_row0_, mask_row1_, 0, 0, 0},
+  SteepestFaces({start_.data(), nullptr, nullptr, open_x_.data(), open_y_.data(), window_resist_.data(),
+                 flux_.data(), rows, columns, stride_, mask_row0_, mask_row1_, 0, 0, static_cast<float>(rise_m)},
                 of_row.data(), of_column.data());
   const auto limit = static_cast<float>(rise_m * rise_m);
   const auto is_steep = [limit](float g2) { return g2 > limit; };
@@ -163,32 +178,30 @@ void Avalanche::Advance(double rise_m, double amount) {
   for (int i = 0; i < count; ++i) SuperStep(rise_m, amount / count);
 }
 
-CellRect Avalanche::Flow(const CellRect& active, double tan_angle, double amount,
-                         const std::vector<CellFace>& closed) {
-  if (active.empty()) return {};
-  Load(active, closed);
+void Avalanche::Flow(double tan_angle, double amount, std::span<const CellFace> closed) {
+  if (active_.empty()) return;
+  Load(active_, closed);
   const double rise_m = tan_angle * map_.cell_size_m;
-  const CellRect steep = FindSteep(rise_m * (1 + kFlowTolerance)).where;
-  if (steep.empty()) return {};
+  active_ = FindSteep(rise_m * (1 + kFlowTolerance)).where;
+  if (active_.empty()) return;
   Advance(rise_m * (1 + kRoundingSlack), amount);
-  Store();
-  return steep;
+  Store(rise_m);
 }
 
-void Avalanche::Settle(const CellRect& active, double tan_angle) {
+void Avalanche::Settle(double tan_angle) {
   const double rise_m = tan_angle * map_.cell_size_m;
   const double longest = kPlainStep * kMaxStages * (kMaxStages + 1) / 2;
-  for (CellRect rect = active; !rect.empty();) {
-    Load(rect, {});
+  for (active_ = touched_; !active_.empty();) {
+    Load(active_, {});
     const Steepness steep = FindSteep(rise_m * (1 + kRestTolerance));
-    if (steep.where.empty()) return;
+    active_ = steep.where;
+    if (active_.empty()) return;
     // Super steps distort spikes and fresh cliffs; plain ones take their tops off first.
     if (steep.steepest > 4 * rise_m * rise_m)
       PlainSteps(rise_m * (1 + kRoundingSlack), kMargin * kPlainStep);
     else
       SuperStep(rise_m * (1 + kRoundingSlack), longest);
-    Store();
-    rect = steep.where;
+    Store(rise_m);
   }
 }
 
@@ -196,7 +209,11 @@ void RelaxToRepose(HeightMap& map, double repose_deg) {
   if (!(repose_deg >= 5 && repose_deg <= 60))
     throw Error(fmt::format("angle of repose = {} degrees; allowed: 5..60", repose_deg));
   CheckHeightMap(map, "terrain");
-  Avalanche(map).Settle({0, 0, map.rows, map.columns}, std::tan(repose_deg * std::numbers::pi / 180));
+  std::vector<size_t> all(map.size());
+  std::iota(all.begin(), all.end(), size_t{0});
+  Avalanche avalanche(map);
+  avalanche.Disturb(all);
+  avalanche.Settle(std::tan(repose_deg * std::numbers::pi / 180));
 }
 
 }  // namespace sandwright

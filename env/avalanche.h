@@ -5,6 +5,7 @@
 // (Meyer, Balsara and Aslam, "A stabilized Runge-Kutta-Legendre method", JCP 257, 2014).
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "data/height_map.h"
@@ -17,25 +18,26 @@ struct CellFace {
   bool along_x;
 };
 
-// Moves sand down the slopes of one map, in place. It only ever touches a window around the cells
-// it is given, which follows the moving sand. The volume is kept to rounding and no cell falls below
-// the lower of the floor and the lowest cell of its window. Not for several threads at once.
+// Moves loose sand down the slopes of one map, in place. Sand is loose where it was disturbed, and
+// becomes so where an avalanche moves it; other sand lies as it is, however steep. Only a window
+// around loose sand on the move is ever touched. The volume is kept to rounding and no cell falls
+// below the lower of the floor and the lowest cell of its window. Not for several threads at once.
 class Avalanche {
  public:
-  // `map` must outlive the object.
-  explicit Avalanche(HeightMap& map) : map_(map) {}
+  // `map` must outlive the object. All its sand is firm.
+  explicit Avalanche(HeightMap& map);
 
-  // Lets the slopes steeper than `tan_angle` in and near `active` flow for `amount` of diffusion,
-  // in units of squared cells (1/4: one plain explicit step). No sand passes the `closed` faces.
-  // Returns where the slopes were steeper than the angle by more than a share of 1e-2 before (empty: at rest).
-  CellRect Flow(const CellRect& active, double tan_angle, double amount,
-                const std::vector<CellFace>& closed);
+  // Makes the sand of these cells (indices into height_m) loose.
+  void Disturb(std::span<const size_t> cells);
 
-  // Lets the sand in and near `active` come to rest: no slope steeper than `tan_angle` by more than
-  // a share of 1e-3.
-  void Settle(const CellRect& active, double tan_angle);
+  // Lets loose sand steeper than `tan_angle` flow for `amount` of diffusion, in units of squared
+  // cells (1/4: one plain explicit step). No sand passes the `closed` faces.
+  void Flow(double tan_angle, double amount, std::span<const CellFace> closed);
 
-  // Everything that may have changed so far.
+  // Lets all loose sand come to rest: no slope steeper than `tan_angle` by more than a share of 1e-3.
+  void Settle(double tan_angle);
+
+  // Everything that may have changed so far, disturbed cells included.
   const CellRect& touched() const { return touched_; }
 
  private:
@@ -45,8 +47,8 @@ class Avalanche {
     float steepest = 0;
   };
 
-  void Load(const CellRect& active, const std::vector<CellFace>& closed);
-  void Store();
+  void Load(const CellRect& active, std::span<const CellFace> closed);
+  void Store(double rise_m);
   Steepness FindSteep(double rise_m);
   void Advance(double rise_m, double amount);
   void PlainSteps(double rise_m, double amount);
@@ -56,17 +58,15 @@ class Avalanche {
   void MirrorWalls(std::vector<float>& y) const;
 
   HeightMap& map_;
-  CellRect touched_;
+  std::vector<float> resist_;  // [map] 1 = loose, kFirm = firm
+  CellRect active_, touched_;   // where sand may be on the move; where it ever was
   CellRect window_;
   int stride_ = 0;                      // of the buffers: the window with a ring of one cell
-  std::vector<float> start_, y1_, y2_, out_;
+  std::vector<float> start_, y1_, y2_, out_, window_resist_;
   int mask_row0_ = 0, mask_row1_ = 0;   // rows of the window near closed faces
   std::vector<float> open_x_, open_y_;  // 1 = open, 0 = closed; only valid on those rows
   std::vector<float> flux_;             // scratch rows
 };
-
-// Smallest rectangle that holds both (an empty one holds nothing).
-CellRect Union(const CellRect& a, const CellRect& b);
 
 // Brings a whole map to rest at the angle of repose (5..60 degrees, else Error).
 void RelaxToRepose(HeightMap& map, double repose_deg);

@@ -50,6 +50,19 @@ SAND_INLINE float Flux(Rise r, float rise_m) {
   return r.along * std::max(0.0f, 1.0f - rise_m / std::sqrt(r.squared() + kNotZero));
 }
 
+// Of the face between cell i and the one at i + step.
+SAND_INLINE float Resist(const float* resist, int i, int step) {
+  return std::min(resist[i], resist[i + step]);
+}
+
+// Squared slope as a share of what the face resists. A face that is all but level along its own
+// direction counts as level: steep firm sand beside it cannot move, so it would count for ever.
+SAND_INLINE float Felt(Rise r, float resist, float rise_m) {
+  constexpr float kLevel = 0.05f;
+  const float squared = r.squared() / (resist * resist);
+  return std::abs(r.along) > kLevel * rise_m ? squared : 0.0f;
+}
+
 }  // namespace
 
 SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
@@ -64,20 +77,20 @@ SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
     const int first = (row + 1) * stride + 1;
     const float* h = w.y1 + first;
     const float* earlier = w.y2 + first;
-    const float *ox = w.open_x + first, *oy = w.open_y + first;
+    const float *ox = w.open_x + first, *oy = w.open_y + first, *resist = w.resist + first;
     float* __restrict out = w.out + first;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
     if (masked) {
-      for (int i = 0; i + 1 < columns; ++i) flux_x[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m);
+      for (int i = 0; i + 1 < columns; ++i) flux_x[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m * Resist(resist, i, 1));
     } else {
-      for (int i = 0; i + 1 < columns; ++i) flux_x[i + 1] = Flux(RiseX(h, stride, i), rise_m);
+      for (int i = 0; i + 1 < columns; ++i) flux_x[i + 1] = Flux(RiseX(h, stride, i), rise_m * Resist(resist, i, 1));
     }
     if (row + 1 == w.rows) {
       std::fill(flux_high, flux_high + columns, 0.0f);
     } else if (masked) {
-      for (int i = 0; i < columns; ++i) flux_high[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m);
+      for (int i = 0; i < columns; ++i) flux_high[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m * Resist(resist, i, stride));
     } else {
-      for (int i = 0; i < columns; ++i) flux_high[i] = Flux(RiseY(h, stride, i), rise_m);
+      for (int i = 0; i < columns; ++i) flux_high[i] = Flux(RiseY(h, stride, i), rise_m * Resist(resist, i, stride));
     }
     for (int i = 0; i < columns; ++i) {
       const float inflow = (flux_x[i + 1] - flux_x[i]) + (flux_high[i] - flux_low[i]);
@@ -89,6 +102,7 @@ SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
 
 SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_column) {
   const int stride = w.stride, columns = w.columns;
+  const float rise_m = w.rise_m;
   float* __restrict square_x = w.flux;
   float* __restrict square_y = w.flux + stride;
   float* __restrict column_max = of_column;
@@ -97,20 +111,20 @@ SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_
   for (int row = 0; row < w.rows; ++row) {
     const int first = (row + 1) * stride + 1;
     const float* h = w.y1 + first;
-    const float *ox = w.open_x + first, *oy = w.open_y + first;
+    const float *ox = w.open_x + first, *oy = w.open_y + first, *resist = w.resist + first;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
     square_x[0] = square_x[columns] = 0;  // square_x[i]: between columns i - 1 and i
     if (masked) {
-      for (int i = 0; i + 1 < columns; ++i) square_x[i + 1] = MaskedRiseX(h, ox, oy, stride, i).squared();
+      for (int i = 0; i + 1 < columns; ++i) square_x[i + 1] = Felt(MaskedRiseX(h, ox, oy, stride, i), Resist(resist, i, 1), rise_m);
     } else {
-      for (int i = 0; i + 1 < columns; ++i) square_x[i + 1] = RiseX(h, stride, i).squared();
+      for (int i = 0; i + 1 < columns; ++i) square_x[i + 1] = Felt(RiseX(h, stride, i), Resist(resist, i, 1), rise_m);
     }
     if (row + 1 == w.rows) {
       std::fill(square_y, square_y + columns, 0.0f);
     } else if (masked) {
-      for (int i = 0; i < columns; ++i) square_y[i] = MaskedRiseY(h, ox, oy, stride, i).squared();
+      for (int i = 0; i < columns; ++i) square_y[i] = Felt(MaskedRiseY(h, ox, oy, stride, i), Resist(resist, i, stride), rise_m);
     } else {
-      for (int i = 0; i < columns; ++i) square_y[i] = RiseY(h, stride, i).squared();
+      for (int i = 0; i < columns; ++i) square_y[i] = Felt(RiseY(h, stride, i), Resist(resist, i, stride), rise_m);
     }
     float largest = 0, largest_y = 0;
     for (int i = 0; i < columns; ++i) {

@@ -11,6 +11,7 @@ struct AvalancheWindow {
   float* out;           // y1 + momentum * (y1 - y2) + step * (net inflow)
   const float* open_x;  // 1 = open, 0 = closed: the face of a cell towards the next column
   const float* open_y;  // the same towards the next row
+  const float* resist;  // of each cell: 1 = loose, kFirm = lies as it is
   float* flux;          // scratch, 3 * stride
   int rows, columns, stride;
   int mask_row0, mask_row1;  // rows of the window where faces may be closed
@@ -18,11 +19,15 @@ struct AvalancheWindow {
   float rise_m;  // critical height difference over one cell
 };
 
+// Resistance of a cell whose sand nobody has touched: a face flows where one of its cells is loose.
+inline constexpr float kFirm = 1e6f;
+
 // One stage over the window (its ring is read, never written).
 void AdvanceWindow(const AvalancheWindow& window);
 
 // Largest squared slope [m^2 over one cell] of the faces of each row and of each column; a face counts
-// for both its cells. Only y1 and the masks are read.
+// for both its cells, one between firm cells not at all. Only y1, resist, rise_m and
+// the masks are read.
 void SteepestFaces(const AvalancheWindow& window, float* of_row, float* of_column);
 
 // Smallest of `count` > 0 heights.

@@ -8,31 +8,26 @@ namespace sandwright {
 namespace {
 
 // Cells exactly on the blade's front count as behind it, whatever the rounding of its heading.
-constexpr double kTie = 1e-6;  // [cells]
+constexpr double kTie = 1e-6;  // [cells]; also the share of a cell that is nothing
 
 // Share of a cell [x - cell/2, x + cell/2] that lies within [low, high].
 double Overlap(double x, double low, double high, double cell) {
   return std::max(0.0, std::min(x + cell / 2, high) - std::max(x - cell / 2, low)) / cell;
 }
 
-void Include(CellRect& rect, int row, int column) {
-  rect = Union(rect, {row, column, row + 1, column + 1});
-}
-
 }  // namespace
 
 void BladeCut::Strips::Reset(size_t count) {
-  volume.assign(count, 0);
-  length.assign(count, 0);
-  room.assign(count, 0);
+  for (std::vector<double>* values : {&volume, &bottom, &length, &room}) values->assign(count, 0);
 }
 
-BladeCut::BladeCut(HeightMap& map, const Blade& blade, double rupture_ratio)
+BladeCut::BladeCut(HeightMap& map, const Blade& blade, const CutLaw& law, double floor_m)
     : map_(map),
+      law_(law),
+      floor_m_(floor_m),
       cell_(map.cell_size_m),
       half_width_(blade.width_m / 2),
       half_thickness_(blade.thickness_m / 2),
-      rupture_ratio_(rupture_ratio),
       strip_count_(std::max(1, static_cast<int>(blade.width_m / cell_ + 1e-6))),
       strip_width_(blade.width_m / strip_count_) {}
 
@@ -80,44 +75,47 @@ void BladeCut::ForEachCell(const Placed& at, double u_low, double u_high, double
 
 double BladeCut::Across(double s) const { return Overlap(s, -half_width_, half_width_, cell_); }
 
-void BladeCut::Sample(double s, int& strip, double& share) const {
+BladeCut::Between BladeCut::Find(double s) const {
   const double at = std::clamp((s + half_width_) / strip_width_ - 0.5, 0.0, strip_count_ - 1.0);
-  strip = std::min(static_cast<int>(at), std::max(strip_count_ - 2, 0));
-  share = strip_count_ == 1 ? 0 : at - strip;
+  const int strip = std::min(static_cast<int>(at), std::max(strip_count_ - 2, 0));
+  return {static_cast<size_t>(strip), static_cast<size_t>(std::min(strip + 1, strip_count_ - 1)), at - strip};
 }
 
-// The cells on one side (+1 ahead, -1 behind) that take cut sand: rupture length a strip, weights.
-void BladeCut::FindRoom(const Placed& at, double side, Strips& strips,
-                        std::vector<Receiver>& receivers) const {
+// Reads the sand just off the blade on one side (+1 ahead, -1 behind), strip by strip.
+void BladeCut::Probe(const Placed& at, double side, Strips& strips) const {
   strips.Reset(static_cast<size_t>(strip_count_));
-  receivers.clear();
-  double longest = 0;
+  const double u = side * (half_thickness_ + cell_);
   for (int k = 0; k < strip_count_; ++k) {
     const double s = (k + 0.5) * strip_width_ - half_width_;
-    const double u = side * (half_thickness_ + cell_);
-    const double front = HeightAt(map_, at.pose.x_m + u * at.c - s * at.s, at.pose.y_m + u * at.s + s * at.c);
-    double& length = strips.length[static_cast<size_t>(k)];
-    length = std::max(cell_, rupture_ratio_ * (front - at.pose.z_m));
-    longest = std::max(longest, length);
+    const double height = HeightAt(map_, at.pose.x_m + u * at.c - s * at.s, at.pose.y_m + u * at.s + s * at.c);
+    const double depth = std::max(0.0, height - at.pose.z_m);
+    strips.length[static_cast<size_t>(k)] = std::max(cell_, law_.rupture_ratio * depth);
+    strips.bottom[static_cast<size_t>(k)] = std::max(floor_m_, at.pose.z_m - std::min(law_.bite_m, depth));
   }
+}
+
+// The cells on one side that take cut sand, with their weights.
+void BladeCut::FindRoom(const Placed& at, double side, Strips& strips,
+                        std::vector<Receiver>& receivers) const {
+  Probe(at, side, strips);
+  receivers.clear();
+  const double longest = *std::ranges::max_element(strips.length);
   const double near = half_thickness_, far = half_thickness_ + longest + cell_ / 2;
-  ForEachCell(at, side > 0 ? near : -far, side > 0 ? far : -near, half_width_ + cell_ / 2,
-              [&](int, int, size_t cell, double u, double s) {
+  ForEachCell(at, side > 0 ? near : -far, side > 0 ? far : -near,
+              half_width_ + law_.spread * longest + cell_ / 2,
+              [&](int, int, size_t cell, double u, double widened_s) {
     if (side * u <= near + kTie * cell_) return;
-    Receiver r{cell, 0, 0, 0};
-    Sample(s, r.strip, r.share);
-    const auto k = static_cast<size_t>(r.strip), next = std::min(k + 1, strips.length.size() - 1);
-    const double length = (1 - r.share) * strips.length[k] + r.share * strips.length[next];
-    r.weight = Across(s) * Overlap(side * u, near, near + length, cell_);
-    if (r.weight <= 0) return;
-    strips.room[k] += (1 - r.share) * r.weight;
-    strips.room[next] += r.share * r.weight;
-    receivers.push_back(r);
+    const double s = widened_s / (1 + law_.spread * (side * u - near) / half_width_);
+    const Between place = Find(s);
+    const double weight = Across(s) * Overlap(side * u, near, near + place.Mix(strips.length), cell_);
+    if (weight <= 0) return;
+    place.Add(weight, strips.room);
+    receivers.push_back({cell, place, weight});
   });
 }
 
-CellRect BladeCut::Lay(const std::vector<Receiver>& receivers, Strips& strips) {
-  if (receivers.empty()) return {};
+void BladeCut::Lay(const std::vector<Receiver>& receivers, Strips& strips) {
+  if (receivers.empty()) return;
   const size_t count = strips.volume.size();
   // A strip without room (at a wall) hands its sand to the nearest one that has some.
   for (size_t k = 0; k < count; ++k) {
@@ -133,48 +131,42 @@ CellRect BladeCut::Lay(const std::vector<Receiver>& receivers, Strips& strips) {
     }
     strips.volume[k] = 0;
   }
-  CellRect touched;
   for (size_t k = 0; k < count; ++k) {
     if (strips.room[k] > 0) strips.volume[k] /= strips.room[k];
   }
   for (const Receiver& r : receivers) {
-    const auto k = static_cast<size_t>(r.strip), next = std::min(k + 1, count - 1);
-    const double rise = r.weight * ((1 - r.share) * strips.volume[k] + r.share * strips.volume[next]);
+    const double rise = r.weight * r.place.Mix(strips.volume);
     map_.height_m[r.cell] = static_cast<float>(map_.height_m[r.cell] + rise);
-    const int columns = map_.columns;
-    Include(touched, static_cast<int>(r.cell) / columns, static_cast<int>(r.cell) % columns);
+    if (rise > 0) changed_.push_back(r.cell);
   }
-  return touched;
 }
 
-CellRect BladeCut::Cut(const Placed& from, const Placed& to) {
-  const double z = to.pose.z_m, sunk = from.pose.z_m - z, h = half_thickness_;
+void BladeCut::Cut(const Placed& from, const Placed& to) {
+  changed_.clear();
+  const double sunk = from.pose.z_m - to.pose.z_m, h = half_thickness_;
   FindRoom(to, 1, ahead_, receivers_ahead_);
   receivers_behind_.clear();
   if (sunk > 0 || from.pose.yaw_rad != to.pose.yaw_rad) FindRoom(to, -1, behind_, receivers_behind_);
-  CellRect touched;
-  const auto take = [&](size_t cell, double amount, double s, Strips& strips) {
+  const auto take = [&](size_t cell, double amount, const Between& place, Strips& strips) {
     const float before = map_.height_m[cell];
     map_.height_m[cell] = static_cast<float>(before - amount);
     const double taken = static_cast<double>(before) - map_.height_m[cell];
-    int strip;
-    double share;
-    Sample(s, strip, share);
-    strips.volume[static_cast<size_t>(strip)] += (1 - share) * taken;
-    if (share > 0) strips.volume[static_cast<size_t>(strip) + 1] += share * taken;
+    place.Add(taken, strips.volume);
   };
   const bool room_ahead = !receivers_ahead_.empty(), room_behind = !receivers_behind_.empty();
   ForEachCell(to, -h - cell_, h + cell_, half_width_ + cell_ / 2,
               [&](int row, int column, size_t cell, double u, double s) {
-    double excess = map_.height_m[cell] - z;
     const double across = Across(s);
-    if (excess <= 0 || across <= 0) return;
+    const Between place = Find(s);
+    const double excess = map_.height_m[cell] - place.Mix(ahead_.bottom);
+    if (excess <= kTie * cell_ || across <= 0) return;
     const double x = (column + 0.5) * cell_ - from.pose.x_m, y = (row + 0.5) * cell_ - from.pose.y_m;
     const double u_from = x * from.c + y * from.s;
     // Shares of the cell behind the front and before the back, then and now. What a side newly
     // sweeps is the excess of the part it had not yet swept.
     const auto swept = [&](double past, double now) {
-      return now > past ? across * (now - past) / (1 - across * past) : 0.0;
+      const double left = 1 - across * past;
+      return now > past && left > kTie ? across * (now - past) / left : 0.0;
     };
     const auto front = [&](double at) { return std::clamp((h - at) / cell_ + 0.5, 0.0, 1.0); };
     const auto back = [&](double at) { return std::clamp((h + at) / cell_ + 0.5, 0.0, 1.0); };
@@ -186,24 +178,27 @@ CellRect BladeCut::Cut(const Placed& from, const Placed& to) {
     double ahead = by_front + (room_ahead ? halves : 0), behind = by_back + (room_behind ? halves : 0);
     if (ahead + behind <= 0) return;
     const double scale = std::min(1.0, excess / (ahead + behind));
-    if (ahead > 0) take(cell, scale * ahead, s, ahead_);
-    if (behind > 0) take(cell, scale * behind, s, behind_);
-    Include(touched, row, column);
+    if (ahead > 0) take(cell, scale * ahead, place, ahead_);
+    if (behind > 0) take(cell, scale * behind, place, behind_);
+    changed_.push_back(cell);
   });
-  if (touched.empty()) return touched;
-  for (auto [receivers, strips] : {std::pair(&receivers_ahead_, &ahead_), {&receivers_behind_, &behind_}})
-    touched = Union(touched, Lay(*receivers, *strips));
-  return touched;
+  if (changed_.empty()) return;
+  Lay(receivers_ahead_, ahead_);
+  Lay(receivers_behind_, behind_);
 }
 
-CellRect BladeCut::Plunge(const BladePose& pose) {
-  Placed above = Place(pose);
-  const Placed at = above;
+std::span<const size_t> BladeCut::Plunge(const BladePose& pose) {
+  const Placed at = Place(pose);
+  Placed above = at;
   above.pose.z_m = std::numeric_limits<double>::max();
-  return Cut(above, at);
+  Cut(above, at);
+  return changed_;
 }
 
-CellRect BladeCut::Advance(const BladePose& from, const BladePose& to) { return Cut(Place(from), Place(to)); }
+std::span<const size_t> BladeCut::Advance(const BladePose& from, const BladePose& to) {
+  Cut(Place(from), Place(to));
+  return changed_;
+}
 
 std::vector<CellFace> BladeCut::ClosedFaces(const BladePose& pose) const {
   const Placed at = Place(pose);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "data/base/parallel.h"
@@ -78,25 +79,23 @@ Outcome Heightfield::ApplyOne(SandState& state, const ToolPath& path) const {
     }
   }
 
-  BladeCut blade(map, config_.blade, config_.rupture_ratio);
+  const bool floor_known = map.datum == Datum::kFloor;
+  const double floor_m = floor_known ? 0 : -std::numeric_limits<double>::infinity();
+  BladeCut blade(map, config_.blade, config_.cut, floor_m);
   Avalanche avalanche(map);
-  const double flow_tan = TanDegrees(config_.flow_deg);
-  CellRect cut = blade.Plunge(poses.front()), flowing = cut, disturbed = cut;
+  const double repose_tan = TanDegrees(config_.repose_deg);
+  avalanche.Disturb(blade.Plunge(poses.front()));
   for (size_t k = 1; k < poses.size(); ++k) {
-    cut = blade.Advance(poses[k - 1], poses[k]);
-    flowing = Union(flowing, cut);
-    disturbed = Union(disturbed, cut);
-    const double amount =
-        config_.relaxation_m * Travel(poses[k - 1], poses[k], config_.blade) / (cell * cell);
-    if (flowing.empty() || amount <= 0) continue;
-    flowing = avalanche.Flow(flowing, flow_tan, amount, blade.ClosedFaces(poses[k]));
+    avalanche.Disturb(blade.Advance(poses[k - 1], poses[k]));
+    const double diffusion_m2 = config_.relaxation_m * Travel(poses[k - 1], poses[k], config_.blade);
+    avalanche.Flow(repose_tan, diffusion_m2 / (cell * cell), blade.ClosedFaces(poses[k]));
   }
-  disturbed = Union(disturbed, avalanche.touched());
-  if (disturbed.empty()) return outcome;
-  avalanche.Settle(disturbed, TanDegrees(config_.repose_deg));
+  avalanche.Settle(repose_tan);
+  outcome.changed = avalanche.touched();
+  if (outcome.changed.empty()) return outcome;
 
-  outcome.changed = Union(disturbed, avalanche.touched());
   outcome.moved_volume_m3 = MovedVolume(state.map(), map, outcome.changed);
+  SAND_CHECK(std::isfinite(outcome.moved_volume_m3));
   state.Replace(std::move(map));
   return outcome;
 }

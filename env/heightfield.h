@@ -2,28 +2,26 @@
 // cuts and pushes. Keeps volume; has no inertia and no grains.
 #pragma once
 
+#include "env/blade_cut.h"
 #include "env/sand_model.h"
 
 namespace sandwright {
 
 struct HeightfieldConfig {
   double repose_deg = 33;
-  double flow_deg = 33;
-  double rupture_ratio = 3.5;
-  double relaxation_m = 0.1;
+  double relaxation_m = 0.07;
   double substep_cells = 0.5;
   int64_t threads = 1;
+  CutLaw cut;
   Blade blade;
 
   void Fields(FieldList& f) {
     f.Add("repose_deg", repose_deg, "angle of repose [deg]", 5, 60);
-    f.Add("flow_deg", flow_deg, "slope down to which sand flows while the blade moves it [deg]", 5, 60);
-    f.Add("rupture_ratio", rupture_ratio,
-          "length over which cut sand is laid ahead of the blade, over its depth there [1]", 0, 10);
     f.Add("relaxation_m", relaxation_m,
           "how far slopes even out while the blade moves: diffusion a metre of travel [m]", 0, 10);
     f.Add("substep_cells", substep_cells, "blade travel of one substep [cells]", 0.05, 1);
     f.Add("threads", threads, "threads for a batch of strokes", 1, 1024);
+    f.Section("cut", cut);
     f.Section("blade", blade);
   }
 };
