@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,29 +21,44 @@ enum class GateSampling {
 
 struct GateVerdict {
   bool accepted = false;
-  std::vector<std::string> reasons;  // empty where accepted; each with figure and limit
-  double duration_s = 0;             // entry to exit, without the transfer
-  double peak_joint_speed_share = 0; // of the joints' rated speed, 0..1
-  double min_clearance_m = 0;        // links to walls, table and each other; at most kClearanceSeen_m
-  double min_singular_value = 0;
-  int branch = -1;                   // -1: none reaches the stroke
+  std::vector<std::string> reasons;   // empty where accepted; each with figure and limit
+  double duration_s = 0;              // entry to exit, without the transfer
+  double peak_joint_speed_share = 0;  // of the joints' rated speed, 0..1
+  double min_clearance_m = 0;         // links to walls, table, sand and each other, as far as looked
+  double min_singular_value = 0;      // of the flange Jacobian
+  int branch = -1;                    // -1: none reaches the stroke
   std::optional<StrokeMotion> motion;  // accepted, fine sampling only
 };
 
+// A joint move between strokes.
+struct TransferVerdict {
+  bool accepted = false;
+  std::vector<std::string> reasons;
+  std::vector<JointAngles> knots;  // accepted only: of StrokeMotion::kPeriod_s, both ends included
+};
+
 // Rejects a stroke whole, with its reasons; never changes one. What the coarse sampling accepts, the
-// fine one accepts too. Immutable; any number of threads may Check() at once: collision queries work
-// on one mjData a thread at a time out of a pool (about 50 kB each, made on first use).
+// fine one accepts too. Immutable; any number of threads may Check() at once: distances are computed
+// on one mjData a thread out of a pool (about 100 kB each, made on first use).
 class SafetyGate {
  public:
+  // Distances are measured up to this in the fine sampling, little beyond the margin in the coarse one.
   static constexpr double kClearanceSeen_m = 0.2;
 
   explicit SafetyGate(const Workcell& workcell);
   ~SafetyGate();
 
-  // `terrain`: the latest height map of the whole box (datum floor, else refused).
-  GateVerdict Check(const Stroke& stroke, const HeightMap& terrain, GateSampling sampling) const;
+  // `terrain`: the latest height map of the whole box (datum floor, else refused). Of the branches
+  // that pass, the one nearest to `near` (the arm's joints before the stroke; default: home).
+  GateVerdict Check(const Stroke& stroke, const HeightMap& terrain, GateSampling sampling,
+                    const std::optional<JointAngles>& near = std::nullopt) const;
+
+  // The straight joint move from `from` to `to` above the terrain, with the same limits.
+  TransferVerdict CheckTransfer(const JointAngles& from, const JointAngles& to,
+                                const HeightMap& terrain) const;
 
   const Workcell& workcell() const;
+  const BladeKinematics& kinematics() const;
 
  private:
   struct Impl;

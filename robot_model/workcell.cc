@@ -65,6 +65,7 @@ void MotionLimits::Fields(FieldList& f) {
   f.Add("floor_margin_m", floor_margin_m, "blade's edge above the box floor [m]", 0, 0.1);
   f.Add("max_cut_m", max_cut_m, "sand above the blade's edge [m]", 0, 0.5);
   f.Add("max_extent_m", max_extent_m, "of the control points along each axis [m]", 0.01, 2);
+  f.Add("min_bend_radius_m", min_bend_radius_m, "of a curved stroke's path in the plane [m]", 0.0005, 1);
   f.Add("max_duration_s", max_duration_s, "of one stroke [s]", 0.1, 3600);
 }
 
@@ -105,6 +106,12 @@ void CheckWorkcell(const Workcell& cell, const std::string& source) {
   CheckLength(cell.kinematics.theta_rad, 6, source, "kinematics.theta_rad");
   CheckJoints(cell.home_joints_rad, cell.limits, source, "home_joints_rad");
   CheckJoints(cell.camera_joints_rad, cell.limits, source, "camera_joints_rad");
+  // The holder and the camera then pass over the walls wherever the blade may be.
+  const double hand = cell.tool.blade_height_m + cell.limits.floor_margin_m;
+  if (hand < cell.box.wall_height_m + cell.limits.clearance_m || cell.tool.blade_height_m < cell.limits.max_cut_m)
+    throw Error(fmt::format("{}: tool.blade_height_m = {}; the plate must reach over the walls ({} m) with the "
+                            "clearance ({} m) and over the deepest cut ({} m)", source, cell.tool.blade_height_m,
+                            cell.box.wall_height_m, cell.limits.clearance_m, cell.limits.max_cut_m));
   const double needed = cell.box.wall_height_m + cell.limits.clearance_m;
   if (cell.motion.retreat_height_m < needed)
     throw Error(fmt::format("{}: motion.retreat_height_m = {}; the walls and the clearance need {}", source,

@@ -44,9 +44,9 @@ struct BoxSettings {
 // What the flange carries. The camera's body is a block around C, its long side along x of C.
 struct ToolSettings {
   PoseSetting X_FT{{0, 0, 0.250}, {0, 0, 0}};  // T: middle of the lower edge, x along the blade's normal
-  PoseSetting X_FC;                            // C: optical frame of the camera
+  PoseSetting X_FC{{0.160, 0, 0.030}, {0, 0, 1.5708}};  // C: optical frame of the camera
   Blade blade;
-  double blade_height_m = 0.160;  // the plate; above it is the holder
+  double blade_height_m = 0.195;  // the plate; above it is the holder
   double holder_radius_m = 0.015;
   std::vector<double> camera_body_m = {0.250, 0.070, 0.070};
   double mass_kg = 2.2;                                // blade, holder and camera
@@ -81,6 +81,7 @@ struct MotionLimits {
   double floor_margin_m = 0.002;      // blade edge above the box floor
   double max_cut_m = 0.100;           // sand above the blade's edge
   double max_extent_m = 0.255;        // of the control points along x, y and z
+  double min_bend_radius_m = 0.005;   // of a curve; sharper ones are corners for a polyline
   double max_duration_s = 60;         // of one stroke
 
   void Fields(FieldList& f);
@@ -106,8 +107,8 @@ struct Workcell {
   MotionLimits limits;
   MotionSettings motion;
   DhParameters kinematics;  // nominal, or read from the controller
-  std::vector<double> home_joints_rad = {-1.8, -1.1, 1.7, -2.2, -1.5708, 0};    // parked, out of the sand
-  std::vector<double> camera_joints_rad = {-1.8, -1.1, 1.7, -2.2, -1.5708, 0};  // where scans are taken
+  std::vector<double> home_joints_rad = {-1.8476, -1.6540, 2.1158, -2.0326, -1.5708, -1.8476};    // parked
+  std::vector<double> camera_joints_rad = {-1.8793, -1.7071, 1.1376, -1.0013, -1.5708, -1.8793};  // scans
 
   void Fields(FieldList& f);
   JointAngles home() const { return JointAngles::FromList(home_joints_rad); }
