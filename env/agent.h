@@ -1,7 +1,9 @@
 // Who chooses the strokes: learned policies, planners and rivals alike.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +28,8 @@ class Agent {
   virtual std::string name() const = 0;
   // One action a view; `streams[i]` is the randomness of view i and advances.
   virtual std::vector<Action> Act(std::span<const TaskView> views, std::span<RandomStream> streams) = 0;
+  // Extent along x and y of the regions that the agent was made for [m]; none: any.
+  virtual std::optional<std::array<double, 2>> region_size_m() const { return std::nullopt; }
   // Evaluations of a sand model so far (0: the agent plans with none).
   virtual int64_t model_evaluations() const { return 0; }
 };

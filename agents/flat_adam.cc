@@ -1,0 +1,47 @@
+#include "agents/flat_adam.h"
+
+#include <cmath>
+
+#include "data/base/error.h"
+
+namespace sandwright {
+namespace {
+constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
+}  // namespace
+
+FlatAdam::FlatAdam(const std::vector<torch::Tensor>& parameters, double epsilon)
+    : epsilon_(epsilon), parameters_(parameters) {
+  SAND_CHECK(!parameters_.empty());
+  const torch::NoGradGuard no_grad;
+  std::vector<torch::Tensor> flat;
+  for (const auto& p : parameters_) flat.push_back(p.detach().reshape({-1}));
+  values_ = torch::cat(flat).clone();
+  gradient_ = torch::zeros_like(values_);
+  first_moment_ = torch::zeros_like(values_);
+  second_moment_ = torch::zeros_like(values_);
+  int64_t offset = 0;
+  for (auto& p : parameters_) {
+    p.set_data(values_.narrow(0, offset, p.numel()).view(p.sizes()));
+    p.mutable_grad() = gradient_.narrow(0, offset, p.numel()).view(p.sizes());
+    offset += p.numel();
+  }
+}
+
+double FlatAdam::ClipGradients(double limit) {
+  const double norm = gradient_.norm().item<double>();
+  if (norm > limit) gradient_.mul_(limit / norm);
+  return norm;
+}
+
+void FlatAdam::Step(double learning_rate) {
+  const torch::NoGradGuard no_grad;
+  ++steps_;
+  first_moment_.lerp_(gradient_, 1.0 - kBeta1);
+  second_moment_.mul_(kBeta2).addcmul_(gradient_, gradient_, 1.0 - kBeta2);
+  const double step_size = learning_rate / (1.0 - std::pow(kBeta1, static_cast<double>(steps_)));
+  const double correction = std::sqrt(1.0 - std::pow(kBeta2, static_cast<double>(steps_)));
+  const auto denominator = second_moment_.sqrt().div_(correction).add_(epsilon_);
+  values_.addcdiv_(first_moment_, denominator, -step_size);
+}
+
+}  // namespace sandwright

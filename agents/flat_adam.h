@@ -1,0 +1,35 @@
+// Adam (Kingma and Ba, ICLR 2015) over one flat buffer: the parameters of a network become views
+// into it, and so do their gradients. One norm, one update and one tensor to save or to sum over
+// machines instead of a hundred small ones.
+#pragma once
+
+#include <torch/torch.h>
+
+#include <vector>
+
+namespace sandwright {
+
+class FlatAdam {
+ public:
+  // Moves the storage of `parameters` into the flat buffer; the network keeps working on it.
+  FlatAdam(const std::vector<torch::Tensor>& parameters, double epsilon);
+
+  void ZeroGradients() { gradient_.zero_(); }
+  // Scales the gradient so that its 2-norm is at most `limit`; returns the norm before.
+  double ClipGradients(double limit);
+  void Step(double learning_rate);
+
+  // All of the state beside the learning rate, for checkpoints (tensors are handles: copy_ writes). [P] each.
+  const torch::Tensor& first_moment() const { return first_moment_; }
+  const torch::Tensor& second_moment() const { return second_moment_; }
+  int64_t steps() const { return steps_; }
+  void set_steps(int64_t steps) { steps_ = steps; }
+
+ private:
+  double epsilon_;
+  int64_t steps_ = 0;
+  std::vector<torch::Tensor> parameters_;
+  torch::Tensor values_, gradient_, first_moment_, second_moment_;  // [P]
+};
+
+}  // namespace sandwright

@@ -1,0 +1,20 @@
+// Sizes of the actor-critic network (networks.h); free of torch.
+#pragma once
+
+#include "data/base/config.h"
+
+namespace sandwright {
+
+struct NetworkConfig {
+  int64_t channels = 16;  // of the finest features
+  int64_t hidden = 64;
+  int64_t headings = 16;
+
+  void Fields(FieldList& f) {
+    f.Add("channels", channels, "feature channels at half the map's resolution, twice below", 1, 256);
+    f.Add("hidden", hidden, "width of the fully connected layers", 1, 4096);
+    f.Add("headings", headings, "directions of travel that the policy tells apart", 1, 64);
+  }
+};
+
+}  // namespace sandwright

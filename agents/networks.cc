@@ -1,0 +1,222 @@
+#include "agents/networks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "data/base/error.h"
+
+namespace sandwright {
+namespace {
+
+namespace nn = torch::nn;
+namespace F = torch::nn::functional;
+
+constexpr double kReluGain = std::numbers::sqrt2;
+constexpr double kPolicyGain = 0.01;  // the first policy is close to uniform
+
+// Rows (or columns) of equal length at right angles: Saxe et al., ICLR 2014.
+void Orthogonal(torch::Tensor weight, double gain, RandomStream& stream) {
+  const torch::NoGradGuard no_grad;
+  const int64_t outputs = weight.size(0), inputs = weight.numel() / outputs;
+  const int64_t tall = std::max(outputs, inputs), wide = std::min(outputs, inputs);
+  auto random = torch::empty({tall, wide}, torch::kFloat64);
+  for (int64_t i = 0; i < random.numel(); ++i) random.data_ptr<double>()[i] = stream.Normal();
+  auto [q, r] = torch::linalg_qr(random);
+  q = q * r.diagonal().sign();
+  if (outputs < inputs) q = q.t();
+  weight.copy_((gain * q).reshape(weight.sizes()));
+}
+
+template <class Layer>
+void Initialise(Layer& layer, double gain, RandomStream& stream) {
+  Orthogonal(layer->weight, gain, stream);
+  if (layer->bias.defined()) {
+    const torch::NoGradGuard no_grad;
+    layer->bias.zero_();
+  }
+}
+
+nn::Conv2d Convolution(int64_t in, int64_t out, int64_t kernel, int64_t stride) {
+  return nn::Conv2d(nn::Conv2dOptions(in, out, kernel).stride(stride).padding(kernel / 2));
+}
+
+torch::Tensor Enlarge(const torch::Tensor& features, const torch::Tensor& like) {
+  return F::interpolate(features, F::InterpolateFuncOptions()
+                                      .size(std::vector<int64_t>{like.size(2), like.size(3)})
+                                      .mode(torch::kBilinear)
+                                      .align_corners(false));
+}
+
+}  // namespace
+
+ObservationTensors ToTensors(const ObservationBatch& batch, const ObservationSpec& spec,
+                             torch::Device device) {
+  const auto channels = static_cast<int64_t>(spec.channels.size());
+  const int64_t rows = spec.map_size() > 0 ? static_cast<int64_t>(batch.map.size()) / spec.map_size()
+                                           : static_cast<int64_t>(batch.vec.size()) / spec.vec_size();
+  auto view = [](const std::vector<float>& values, std::vector<int64_t> shape) {
+    return torch::from_blob(const_cast<float*>(values.data()), shape, torch::kFloat32);
+  };
+  return {view(batch.map, {rows, channels, spec.rows, spec.columns}).to(device, false, true),
+          view(batch.vec, {rows, spec.vec_size()}).to(device, false, true)};
+}
+
+torch::Device SelectDevice(const std::string& name) {
+  if (name == "cpu") return torch::kCPU;
+  if (torch::cuda::is_available()) return torch::kCUDA;
+  if (name == "cuda") throw Error("device = cuda: no CUDA device works here; allowed: auto, cpu");
+  return torch::kCPU;
+}
+
+ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
+                         RandomStream& stream)
+    : has_map_(spec.map_size() > 0), action_size_(action_size) {
+  const int64_t width = config.channels, hidden = config.hidden;
+  int64_t whole_inputs = spec.vec_size(), rest_inputs = hidden, rest_numbers = action_size;
+  if (has_map_) {
+    SAND_CHECK(action_size > PlaceGrid::kNumbers, action_size);
+    const auto half = [](int64_t size) { return (size + 1) / 2; };
+    const int64_t rows = half(spec.rows), columns = half(spec.columns);
+    grid_ = {static_cast<int>(config.headings), static_cast<int>(rows), static_cast<int>(columns)};
+    whole_inputs += 2 * width * half(half(rows)) * half(half(columns));
+    rest_inputs += 2 * width + 2;
+    rest_numbers -= PlaceGrid::kNumbers;
+    const auto x = torch::linspace(-1, 1, spec.columns).expand({spec.rows, spec.columns});
+    const auto y = torch::linspace(-1, 1, spec.rows).unsqueeze(1).expand({spec.rows, spec.columns});
+    coordinates_ = register_buffer("coordinates", torch::stack({x, y}).unsqueeze(0).clone());
+    const auto channels = static_cast<int64_t>(spec.channels.size());
+    fine_ = register_module("fine", Convolution(channels + 2, width, 5, 2));
+    middle_ = register_module("middle", Convolution(width, 2 * width, 3, 2));
+    coarse_ = register_module("coarse", Convolution(2 * width, 2 * width, 3, 2));
+    fine_mix_ = register_module("fine_mix", Convolution(width, 2 * width, 3, 1));
+    middle_mix_ = register_module("middle_mix", Convolution(2 * width, 2 * width, 1, 1));
+    coarse_mix_ = register_module("coarse_mix", Convolution(2 * width, 2 * width, 1, 1));
+    whole_mix_ = register_module("whole_mix", nn::Linear(hidden, 2 * width));
+    place_head_ = register_module("place_head", Convolution(2 * width, config.headings, 1, 1));
+    for (auto* layer : {&fine_, &middle_, &coarse_, &fine_mix_, &middle_mix_, &coarse_mix_})
+      Initialise(*layer, kReluGain, stream);
+    Initialise(whole_mix_, kReluGain, stream);
+    Initialise(place_head_, kPolicyGain, stream);
+  }
+  whole_in_ = register_module("whole_in", nn::Linear(whole_inputs, hidden));
+  whole_out_ = register_module("whole_out", nn::Linear(hidden, hidden));
+  rest_hidden_ = register_module("rest_hidden", nn::Linear(rest_inputs, hidden));
+  rest_head_ = register_module("rest_head", nn::Linear(hidden, 2 * rest_numbers));
+  value_hidden_ = register_module("value_hidden", nn::Linear(hidden, hidden));
+  value_head_ = register_module("value_head", nn::Linear(hidden, 1));
+  for (auto* layer : {&whole_in_, &whole_out_, &rest_hidden_, &value_hidden_})
+    Initialise(*layer, kReluGain, stream);
+  Initialise(rest_head_, kPolicyGain, stream);
+  Initialise(value_head_, 1.0, stream);
+}
+
+ActorCritic::Encoding ActorCritic::Encode(const ObservationTensors& observation) {
+  Encoding encoding;
+  torch::Tensor whole = observation.vec, fine, middle, coarse;
+  if (has_map_) {
+    const int64_t batch = observation.map.size(0);
+    const auto input =
+        torch::cat({observation.map, coordinates_.expand({batch, -1, -1, -1})}, 1);
+    fine = torch::relu(fine_(input));
+    middle = torch::relu(middle_(fine));
+    coarse = torch::relu(coarse_(middle));
+    whole = torch::cat({coarse.flatten(1), whole}, 1);
+  }
+  encoding.whole = torch::relu(whole_out_(torch::relu(whole_in_(whole))));
+  if (has_map_) {
+    // Every scale meets at the finest one, as in feature pyramids (Lin et al., CVPR 2017).
+    encoding.places = torch::relu(fine_mix_(fine) + Enlarge(middle_mix_(middle), fine) +
+                                  Enlarge(coarse_mix_(coarse), fine) +
+                                  whole_mix_(encoding.whole).unsqueeze(-1).unsqueeze(-1));
+  }
+  return encoding;
+}
+
+torch::Tensor ActorCritic::PlaceLogits(const Encoding& encoding) {
+  return place_head_(encoding.places).flatten(1);
+}
+
+BetaParameters ActorCritic::RestOf(const Encoding& encoding, const torch::Tensor& place) {
+  auto input = encoding.whole;
+  if (has_map_) {
+    const auto cell = grid_.Bin(place).remainder(grid_.cells());
+    const auto all = encoding.places.flatten(2);  // [B, F, cells]
+    const auto here = all.gather(2, cell.view({-1, 1, 1}).expand({-1, all.size(1), 1})).squeeze(2);
+    const auto heading_rad = place.narrow(1, 2, 1) * std::numbers::pi;
+    input = torch::cat({here, input, heading_rad.cos(), heading_rad.sin()}, 1);
+  }
+  return BetaFromOutputs(rest_head_(torch::relu(rest_hidden_(input))));
+}
+
+torch::Tensor ActorCritic::ValueOf(const Encoding& encoding) {
+  return value_head_(torch::relu(value_hidden_(encoding.whole))).squeeze(-1);
+}
+
+torch::Tensor ActorCritic::Value(const ObservationTensors& observation) {
+  const torch::NoGradGuard no_grad;
+  return ValueOf(Encode(observation)).to(torch::kCPU);
+}
+
+ActorCritic::Decision ActorCritic::Sample(const ObservationTensors& observation,
+                                          std::span<RandomStream> streams) {
+  const torch::NoGradGuard no_grad;
+  const Encoding encoding = Encode(observation);
+  const auto batch = static_cast<int64_t>(streams.size());
+  const auto device = observation.vec.device();
+  SAND_CHECK(encoding.whole.size(0) == batch, encoding.whole.size(0), batch);
+  const int placed = has_map_ ? PlaceGrid::kNumbers : 0;
+  auto action = torch::empty({batch, action_size_});
+  float* const values = action.data_ptr<float>();
+  auto log_prob = torch::zeros({batch});
+  torch::Tensor place;
+  if (has_map_) {
+    const auto logits = PlaceLogits(encoding);
+    const auto probability = torch::softmax(logits, -1).to(torch::kCPU).contiguous();
+    const auto bins = static_cast<size_t>(grid_.bins());
+    for (size_t i = 0; i < streams.size(); ++i) {
+      const auto drawn =
+          grid_.Sample({probability.data_ptr<float>() + i * bins, bins}, streams[i]);
+      std::ranges::copy(drawn, values + i * static_cast<size_t>(action_size_));
+    }
+    place = action.narrow(1, 0, placed).to(device);
+    log_prob += grid_.LogProb(logits, grid_.Bin(place)).to(torch::kCPU);
+  }
+  const BetaParameters rest = RestOf(encoding, place);
+  const auto alpha = rest.alpha.to(torch::kCPU).contiguous(), beta = rest.beta.to(torch::kCPU).contiguous();
+  const int64_t numbers = alpha.size(1);
+  for (int64_t i = 0; i < batch; ++i) {
+    for (int64_t j = 0; j < numbers; ++j) {
+      values[i * action_size_ + placed + j] =
+          SampleBeta(alpha.data_ptr<float>()[i * numbers + j], beta.data_ptr<float>()[i * numbers + j],
+                     streams[static_cast<size_t>(i)]);
+    }
+  }
+  log_prob += BetaLogProb({alpha, beta}, action.narrow(1, placed, numbers));
+  return {action, log_prob, ValueOf(encoding).to(torch::kCPU)};
+}
+
+torch::Tensor ActorCritic::Mean(const ObservationTensors& observation) {
+  const torch::NoGradGuard no_grad;
+  const Encoding encoding = Encode(observation);
+  if (!has_map_) return BetaMean(RestOf(encoding, {})).to(torch::kCPU);
+  const auto place = grid_.Centre(PlaceLogits(encoding).argmax(-1));
+  return torch::cat({place, BetaMean(RestOf(encoding, place))}, 1).to(torch::kCPU);
+}
+
+ActorCritic::Terms ActorCritic::Evaluate(const ObservationTensors& observation,
+                                         const torch::Tensor& action) {
+  const Encoding encoding = Encode(observation);
+  if (!has_map_) {
+    const BetaParameters all = RestOf(encoding, {});
+    return {BetaLogProb(all, action), BetaEntropy(all), ValueOf(encoding)};
+  }
+  const auto place = action.narrow(1, 0, PlaceGrid::kNumbers);
+  const auto logits = PlaceLogits(encoding);
+  const BetaParameters rest = RestOf(encoding, place);
+  const auto rest_action = action.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers);
+  return {grid_.LogProb(logits, grid_.Bin(place)) + BetaLogProb(rest, rest_action),
+          grid_.Entropy(logits) + BetaEntropy(rest), ValueOf(encoding)};
+}
+
+}  // namespace sandwright

@@ -1,0 +1,76 @@
+// The actor-critic network: an observation to a distribution of actions and a value.
+//
+// With a map (the sand): a small convolutional pyramid gives features for each place of the map. A
+// stroke's start and heading are drawn from a grid over them (stroke_place.h), the rest of the stroke
+// (length, depths, bend) from Beta distributions whose parameters are read at the chosen place.
+// Without a map (tests on toy tasks): a plain perceptron and a Beta distribution a number.
+#pragma once
+
+#include <torch/torch.h>
+
+#include <span>
+
+#include "agents/beta.h"
+#include "agents/network_config.h"
+#include "agents/stroke_place.h"
+#include "data/base/random.h"
+#include "env/vec_env.h"
+
+namespace sandwright {
+
+// [B, C, H, W] and [B, V], float, on the network's device.
+struct ObservationTensors {
+  torch::Tensor map, vec;
+};
+ObservationTensors ToTensors(const ObservationBatch& batch, const ObservationSpec& spec,
+                             torch::Device device);
+
+// auto: cuda where it works, else cpu. Error where cuda is asked for and is not there.
+torch::Device SelectDevice(const std::string& name);
+
+class ActorCritic : public torch::nn::Module {
+ public:
+  struct Decision {
+    torch::Tensor action, log_prob, value;  // [B, A], [B], [B] on the CPU, no gradients
+  };
+  struct Terms {
+    torch::Tensor log_prob, entropy, value;  // [B]
+  };
+
+  // Orthogonal initial weights drawn from `stream`: the policy starts near uniform.
+  ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
+              RandomStream& stream);
+
+  // One action a row, drawn with streams[row].
+  Decision Sample(const ObservationTensors& observation, std::span<RandomStream> streams);
+  // The most probable place and the mean of the rest: [B, A] on the CPU.
+  torch::Tensor Mean(const ObservationTensors& observation);
+  torch::Tensor Value(const ObservationTensors& observation);
+  // For the update: how probable `action` [B, A] is, with gradients. The entropy of the Beta part is
+  // that at the given action's place, a one-sample estimate of its mean.
+  Terms Evaluate(const ObservationTensors& observation, const torch::Tensor& action);
+
+ private:
+  struct Encoding {
+    torch::Tensor places;  // [B, F, rows, columns]; undefined without a map
+    torch::Tensor whole;   // [B, hidden]
+  };
+  Encoding Encode(const ObservationTensors& observation);
+  torch::Tensor PlaceLogits(const Encoding& encoding);
+  // Beta outputs given the place [B, 3] (undefined without a map).
+  BetaParameters RestOf(const Encoding& encoding, const torch::Tensor& place);
+  torch::Tensor ValueOf(const Encoding& encoding);
+
+  bool has_map_;
+  int action_size_;
+  PlaceGrid grid_;
+  torch::Tensor coordinates_;  // [1, 2, H, W]: x and y on [-1, 1]
+  torch::nn::Conv2d fine_{nullptr}, middle_{nullptr}, coarse_{nullptr};
+  torch::nn::Conv2d fine_mix_{nullptr}, middle_mix_{nullptr}, coarse_mix_{nullptr};
+  torch::nn::Conv2d place_head_{nullptr};
+  torch::nn::Linear whole_in_{nullptr}, whole_out_{nullptr}, whole_mix_{nullptr};
+  torch::nn::Linear rest_hidden_{nullptr}, rest_head_{nullptr};
+  torch::nn::Linear value_hidden_{nullptr}, value_head_{nullptr};
+};
+
+}  // namespace sandwright

@@ -1,0 +1,37 @@
+#include "agents/policy_agent.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "data/base/error.h"
+
+namespace sandwright {
+namespace {
+constexpr double kSizeTolerance_m = 1e-6;
+}  // namespace
+
+std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views, std::span<RandomStream>) {
+  if (views.empty()) return {};
+  const ObservationSpec spec = SpecOf(card_.observation);
+  const auto map_size = static_cast<size_t>(spec.map_size()), vec_size = static_cast<size_t>(spec.vec_size());
+  ObservationBatch batch{std::vector<float>(views.size() * map_size),
+                         std::vector<float>(views.size() * vec_size)};
+  for (size_t i = 0; i < views.size(); ++i) {
+    const Region& region = views[i].region;
+    if (std::abs(region.width_m - card_.region_width_m) > kSizeTolerance_m ||
+        std::abs(region.depth_m - card_.region_depth_m) > kSizeTolerance_m)
+      throw Error(fmt::format("policy {}: trained for a region of {:g} x {:g} m, the task's is {:g} x {:g} m "
+                              "(keys episode.region_width_m and episode.region_depth_m)",
+                              name_, card_.region_width_m, card_.region_depth_m, region.width_m,
+                              region.depth_m));
+    Encode(views[i], card_.observation, batch.map.data() + i * map_size, batch.vec.data() + i * vec_size);
+  }
+  const auto mean = network_.Mean(ToTensors(batch, spec, device_)).contiguous();
+  std::vector<Action> actions(views.size());
+  std::memcpy(actions.data(), mean.data_ptr<float>(), views.size() * sizeof(Action));
+  return actions;
+}
+
+}  // namespace sandwright

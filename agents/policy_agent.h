@@ -1,0 +1,37 @@
+// A trained policy as an agent: one forward pass a stroke, no sand model.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "agents/policy_file.h"
+#include "env/agent.h"
+
+namespace sandwright {
+
+class PolicyAgent final : public Agent {
+ public:
+  PolicyAgent(std::string name, Policy policy, torch::Device device)
+      : name_(std::move(name)), card_(policy.card), owned_(std::move(policy.network)),
+        network_(*owned_), device_(device) {}
+  // Looks at a network in training, which must outlive it.
+  PolicyAgent(std::string name, const PolicyCard& card, ActorCritic& network, torch::Device device)
+      : name_(std::move(name)), card_(card), network_(network), device_(device) {}
+
+  std::string name() const override { return name_; }
+  std::optional<std::array<double, 2>> region_size_m() const override {
+    return {{card_.region_width_m, card_.region_depth_m}};
+  }
+  // The most probable place and the mean of the rest; draws nothing from `streams`. Throws Error
+  // where a view's region is of another size than the one the policy was trained in.
+  std::vector<Action> Act(std::span<const TaskView> views, std::span<RandomStream> streams) override;
+
+ private:
+  std::string name_;
+  PolicyCard card_;
+  std::unique_ptr<ActorCritic> owned_;
+  ActorCritic& network_;
+  torch::Device device_;
+};
+
+}  // namespace sandwright

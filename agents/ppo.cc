@@ -1,0 +1,280 @@
+#include "agents/ppo.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "data/base/error.h"
+
+namespace sandwright {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kAdamEpsilon = 1e-5;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+nlohmann::json StreamToJson(const RandomStream& stream) {
+  const auto& s = stream.state();
+  return {{"key", s.key}, {"counter", s.counter}, {"block", s.block}, {"used", s.used}};
+}
+
+RandomStream StreamFromJson(const nlohmann::json& json) {
+  RandomStream::State s{};
+  json.at("key").get_to(s.key);
+  json.at("counter").get_to(s.counter);
+  json.at("block").get_to(s.block);
+  json.at("used").get_to(s.used);
+  return RandomStream(s);
+}
+
+void CheckFinite(const StepBatch& step) {
+  const auto finite = [](float value) { return std::isfinite(value); };
+  SAND_CHECK(std::ranges::all_of(step.reward, finite), "the environment gave a reward that is NaN");
+  SAND_CHECK(std::ranges::all_of(step.observation.map, finite) &&
+                 std::ranges::all_of(step.observation.vec, finite),
+             "the environment gave an observation that is NaN");
+}
+
+// The rows of `batch` where `chosen` is not 0.
+ObservationBatch RowsOf(const ObservationBatch& batch, const ObservationSpec& spec,
+                        const std::vector<uint8_t>& chosen) {
+  ObservationBatch rows;
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    if (!chosen[i]) continue;
+    const auto map = batch.map.begin() + static_cast<int64_t>(i) * spec.map_size();
+    const auto vec = batch.vec.begin() + static_cast<int64_t>(i) * spec.vec_size();
+    rows.map.insert(rows.map.end(), map, map + spec.map_size());
+    rows.vec.insert(rows.vec.end(), vec, vec + spec.vec_size());
+  }
+  return rows;
+}
+
+void Append(ObservationBatch& all, const ObservationBatch& more) {
+  all.map.insert(all.map.end(), more.map.begin(), more.map.end());
+  all.vec.insert(all.vec.end(), more.vec.begin(), more.vec.end());
+}
+
+void Append(std::vector<float>& all, const torch::Tensor& cpu) {
+  all.insert(all.end(), cpu.data_ptr<float>(), cpu.data_ptr<float>() + cpu.numel());
+}
+
+// Share of the returns' variance that the values explain: 1 is perfect, below 0 worse than a constant.
+double ExplainedVariance(const torch::Tensor& value, const torch::Tensor& target) {
+  const double variance = target.var().item<double>();
+  return variance > 0 ? 1.0 - (target - value).var().item<double>() / variance : 0.0;
+}
+
+}  // namespace
+
+Advantages EstimateAdvantages(std::span<const float> reward, std::span<const float> value,
+                              std::span<const float> next_value, std::span<const uint8_t> episode_end,
+                              int num_envs, double gamma, double lambda) {
+  const size_t count = reward.size(), envs = static_cast<size_t>(num_envs);
+  SAND_CHECK(value.size() == count && next_value.size() == count && episode_end.size() == count);
+  Advantages out{std::vector<float>(count), std::vector<float>(count)};
+  for (size_t env = 0; env < envs; ++env) {
+    double later = 0;  // the advantage of the next step
+    for (size_t t = count / envs; t-- > 0;) {
+      const size_t i = t * envs + env;
+      const double delta = reward[i] + gamma * next_value[i] - value[i];
+      later = delta + (episode_end[i] ? 0.0 : gamma * lambda * later);
+      out.advantage[i] = static_cast<float>(later);
+      out.value_target[i] = static_cast<float>(later + value[i]);
+    }
+  }
+  return out;
+}
+
+Ppo::Ppo(VecEnv& env, ActorCritic& network, const PpoConfig& config, int64_t total_steps,
+         uint64_t seed, torch::Device device)
+    : env_(env),
+      network_(network),
+      config_(config),
+      total_steps_(total_steps),
+      seed_(seed),
+      device_(device),
+      optimizer_((network.to(device), network.parameters()), kAdamEpsilon),
+      shuffle_stream_(seed, StreamId("ppo shuffle")) {
+  for (int i = 0; i < env.num_envs(); ++i)
+    action_streams_.emplace_back(seed, StreamId("ppo action"), static_cast<uint64_t>(i));
+  RestartEpisodes();
+}
+
+void Ppo::RestartEpisodes() {
+  observation_ = env_.Reset(
+      RandomStream(seed_, StreamId("training episodes"), static_cast<uint64_t>(steps_)).Next64());
+}
+
+Ppo::Rollout Ppo::Collect(PpoReport& report) {
+  const ObservationSpec& spec = env_.observation_spec();
+  const auto envs = static_cast<size_t>(env_.num_envs());
+  const size_t count = envs * static_cast<size_t>(config_.num_steps);
+  ObservationBatch observations, final_observations;
+  std::vector<float> actions, log_probs, values, rewards, next_values(count, 0.0f);
+  std::vector<uint8_t> ends;
+  std::vector<size_t> truncated_at;
+  for (int64_t t = 0; t < config_.num_steps; ++t) {
+    const auto decision = network_.Sample(ToTensors(observation_, spec, device_), action_streams_);
+    const size_t first = ends.size();
+    StepBatch step = env_.Step({decision.action.data_ptr<float>(), envs * env_.action_size()});
+    CheckFinite(step);
+    Append(observations, observation_);
+    Append(actions, decision.action);
+    Append(log_probs, decision.log_prob);
+    Append(values, decision.value);
+    Append(final_observations, RowsOf(step.final_observation, spec, step.truncated));
+    rewards.insert(rewards.end(), step.reward.begin(), step.reward.end());
+    for (size_t i = 0; i < envs; ++i) {
+      ends.push_back(step.terminated[i] || step.truncated[i]);
+      if (step.truncated[i]) truncated_at.push_back(first + i);
+    }
+    std::ranges::move(step.finished, std::back_inserter(report.finished));
+    observation_ = std::move(step.observation);
+  }
+  // V(s_{t+1}) is the next row's value, and the critic's at the end of the rollout...
+  std::vector<float> after(values.begin() + static_cast<int64_t>(envs), values.end());
+  Append(after, network_.Value(ToTensors(observation_, spec, device_)));
+  for (size_t i = 0; i < count; ++i) next_values[i] = ends[i] ? 0.0f : after[i];
+  // ... and V of the episode's own last observation where it was cut off from outside.
+  if (!truncated_at.empty()) {
+    const auto bootstrap = network_.Value(ToTensors(final_observations, spec, device_));
+    for (size_t k = 0; k < truncated_at.size(); ++k)
+      next_values[truncated_at[k]] = bootstrap.data_ptr<float>()[k];
+  }
+  const Advantages estimate = EstimateAdvantages(rewards, values, next_values, ends, env_.num_envs(),
+                                                 config_.gamma, config_.gae_lambda);
+  auto tensor = [&](const std::vector<float>& v) {
+    return torch::tensor(v).to(device_);
+  };
+  return {ToTensors(observations, spec, device_),
+          tensor(actions).view({-1, env_.action_size()}),
+          tensor(log_probs),
+          tensor(values),
+          tensor(estimate.advantage),
+          tensor(estimate.value_target)};
+}
+
+torch::Tensor Ppo::Permutation(int64_t count) {
+  auto order = torch::empty({count}, torch::kInt64);
+  int64_t* const begin = order.data_ptr<int64_t>();
+  std::iota(begin, begin + count, 0);
+  for (int64_t i = count - 1; i > 0; --i)
+    std::swap(begin[i], begin[shuffle_stream_.Index(static_cast<uint64_t>(i) + 1)]);
+  return order.to(device_);
+}
+
+double Ppo::Step(const Rollout& rollout, const torch::Tensor& index, PpoReport& report) {
+  const auto rows = [&](const torch::Tensor& t) { return t.index_select(0, index); };
+  const auto terms = network_.Evaluate({rows(rollout.observation.map), rows(rollout.observation.vec)},
+                                       rows(rollout.action));
+  const auto log_ratio = terms.log_prob - rows(rollout.log_prob);
+  const auto ratio = log_ratio.exp();
+  auto advantage = rows(rollout.advantage);
+  advantage = (advantage - advantage.mean()) / (advantage.std() + 1e-8);
+
+  // Equation 7 of the PPO paper, as a loss.
+  const double clip = config_.clip_range;
+  const auto policy_loss =
+      -torch::min(ratio * advantage, ratio.clamp(1.0 - clip, 1.0 + clip) * advantage).mean();
+  const auto target = rows(rollout.value_target);
+  auto value_error = (terms.value - target).square();
+  if (config_.value_clip_range > 0) {
+    const auto old = rows(rollout.value);
+    const auto near = old + (terms.value - old).clamp(-config_.value_clip_range, config_.value_clip_range);
+    value_error = torch::max(value_error, (near - target).square());
+  }
+  const auto value_loss = 0.5 * value_error.mean();
+  const auto entropy = terms.entropy.mean();
+  const auto loss = policy_loss + config_.value_coefficient * value_loss -
+                    config_.entropy_coefficient * entropy;
+  optimizer_.ZeroGradients();
+  loss.backward();
+  report.gradient_norm += optimizer_.ClipGradients(config_.max_gradient_norm);
+  SAND_CHECK(std::isfinite(report.gradient_norm), "a gradient is NaN", steps_);
+  optimizer_.Step(report.learning_rate);
+
+  const torch::NoGradGuard no_grad;
+  // (r - 1) - log r: unbiased and never negative (Schulman, "Approximating KL divergence", 2020).
+  const double kl = (ratio - 1.0 - log_ratio).mean().item<double>();
+  report.approx_kl += kl;
+  report.policy_loss += policy_loss.item<double>();
+  report.value_loss += value_loss.item<double>();
+  report.entropy += entropy.item<double>();
+  report.clip_fraction += ((ratio - 1.0).abs() > clip).to(torch::kFloat32).mean().item<double>();
+  return kl;
+}
+
+PpoReport Ppo::Update() {
+  PpoReport report;
+  auto start = Clock::now();
+  const Rollout rollout = Collect(report);
+  report.rollout_s = SecondsSince(start);
+  start = Clock::now();
+  const double done = static_cast<double>(steps_) / static_cast<double>(std::max<int64_t>(total_steps_, 1));
+  const double share = config_.learning_rate_schedule == "linear" ? std::max(0.0, 1.0 - done) : 1.0;
+  report.learning_rate = config_.learning_rate * share;
+  report.explained_variance = ExplainedVariance(rollout.value, rollout.value_target);
+
+  const int64_t count = rollout.action.size(0);
+  // A remainder is spread over the minibatches: none is small, nothing is dropped.
+  const int64_t minibatches = std::max<int64_t>(1, count / config_.minibatch_size);
+  int64_t gradient_steps = 0;
+  bool moved_enough = false;
+  for (int64_t epoch = 0; epoch < config_.epochs && !moved_enough; ++epoch, ++report.epochs) {
+    for (const auto& index : Permutation(count).tensor_split(minibatches)) {
+      const double kl = Step(rollout, index, report);
+      ++gradient_steps;
+      moved_enough = config_.target_kl > 0 && kl > 1.5 * config_.target_kl;
+      if (moved_enough) break;
+    }
+  }
+  for (double* mean : {&report.policy_loss, &report.value_loss, &report.entropy, &report.approx_kl,
+                       &report.clip_fraction, &report.gradient_norm})
+    *mean /= static_cast<double>(gradient_steps);
+  steps_ += count;
+  report.update_s = SecondsSince(start);
+  return report;
+}
+
+void Ppo::Save(Safetensors& content) const {
+  nlohmann::json state = {{"steps", steps_}, {"optimizer_steps", optimizer_.steps()},
+                          {"shuffle", StreamToJson(shuffle_stream_)}, {"action", nlohmann::json::array()}};
+  for (const auto& stream : action_streams_) state["action"].push_back(StreamToJson(stream));
+  content.metadata["ppo_state"] = state.dump();
+  const auto add = [&](const std::string& name, const torch::Tensor& moment) {
+    const auto cpu = moment.to(torch::kCPU);
+    content.tensors[name] = {{cpu.numel()}, {cpu.data_ptr<float>(), cpu.data_ptr<float>() + cpu.numel()}};
+  };
+  add("ppo.first_moment", optimizer_.first_moment());
+  add("ppo.second_moment", optimizer_.second_moment());
+}
+
+void Ppo::Load(const Safetensors& content, const std::string& source) {
+  const auto state = nlohmann::json::parse(content.Metadata("ppo_state", source));
+  if (state.at("action").size() != action_streams_.size())
+    throw Error(source + ": saved with another number of environments (" +
+                std::to_string(state.at("action").size()) + " instead of " +
+                std::to_string(action_streams_.size()) + ")");
+  const auto load = [&](const std::string& name, const torch::Tensor& moment) {
+    const NamedTensor& saved = content.Tensor(name, source);
+    if (static_cast<int64_t>(saved.values.size()) != moment.numel())
+      throw Error(source + ": " + name + " belongs to another network");
+    moment.copy_(torch::tensor(saved.values));
+  };
+  load("ppo.first_moment", optimizer_.first_moment());
+  load("ppo.second_moment", optimizer_.second_moment());
+  steps_ = state.at("steps");
+  optimizer_.set_steps(state.at("optimizer_steps"));
+  shuffle_stream_ = StreamFromJson(state.at("shuffle"));
+  for (size_t i = 0; i < action_streams_.size(); ++i)
+    action_streams_[i] = StreamFromJson(state.at("action")[i]);
+  RestartEpisodes();
+}
+
+}  // namespace sandwright

@@ -1,0 +1,77 @@
+// Proximal policy optimisation (Schulman et al., arXiv 1707.06347) with generalised advantage
+// estimation (Schulman et al., ICLR 2016) over a batch of environments.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "agents/flat_adam.h"
+#include "agents/networks.h"
+#include "agents/ppo_config.h"
+#include "env/safetensors.h"
+#include "env/vec_env.h"
+
+namespace sandwright {
+
+// Advantages and lambda-returns of T steps of N environments, all [T * N], step-major.
+struct Advantages {
+  std::vector<float> advantage, value_target;
+};
+// `next_value` is V(s_{t+1}): 0 where the episode terminated, the value of the episode's *final*
+// observation where it was truncated. `episode_end` (either) cuts the sum over later steps.
+Advantages EstimateAdvantages(std::span<const float> reward, std::span<const float> value,
+                              std::span<const float> next_value, std::span<const uint8_t> episode_end,
+                              int num_envs, double gamma, double lambda);
+
+// What one update did.
+struct PpoReport {
+  double policy_loss = 0, value_loss = 0, entropy = 0, approx_kl = 0, clip_fraction = 0;
+  double explained_variance = 0, gradient_norm = 0, learning_rate = 0;
+  double rollout_s = 0, update_s = 0;
+  int64_t epochs = 0;                   // started, fewer than asked where target_kl stopped them
+  std::vector<EpisodeSummary> finished;  // episodes that ended in the rollout
+};
+
+// The same environment, network, configuration and seed give the same parameters, bit for bit (one
+// thread count of torch).
+class Ppo {
+ public:
+  // `env` and `network` must outlive it. The seed fixes action noise, shuffling and episodes.
+  Ppo(VecEnv& env, ActorCritic& network, const PpoConfig& config, int64_t total_steps, uint64_t seed,
+      torch::Device device);
+
+  // One rollout of num_steps * num_envs steps, then the epochs over it.
+  PpoReport Update();
+  int64_t steps() const { return steps_; }  // of environments, so far
+
+  // All environments start new episodes, fixed by the seed and the steps so far. Called where a
+  // checkpoint is written, so that a run that is resumed there repeats the one that was not.
+  void RestartEpisodes();
+  // Everything but the configuration and the environments' episodes.
+  void Save(Safetensors& content) const;
+  void Load(const Safetensors& content, const std::string& source);
+
+ private:
+  struct Rollout {
+    ObservationTensors observation;         // [T * N, ...]
+    torch::Tensor action, log_prob, value;  // [T * N, A], [T * N], [T * N]
+    torch::Tensor advantage, value_target;  // [T * N]
+  };
+  Rollout Collect(PpoReport& report);
+  // One gradient step on the rows `index` of the rollout; returns the KL estimate.
+  double Step(const Rollout& rollout, const torch::Tensor& index, PpoReport& report);
+  torch::Tensor Permutation(int64_t count);
+
+  VecEnv& env_;
+  ActorCritic& network_;
+  PpoConfig config_;
+  int64_t total_steps_, steps_ = 0;
+  uint64_t seed_;
+  torch::Device device_;
+  FlatAdam optimizer_;
+  std::vector<RandomStream> action_streams_;  // one an environment
+  RandomStream shuffle_stream_;
+  ObservationBatch observation_;
+};
+
+}  // namespace sandwright

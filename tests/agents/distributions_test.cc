@@ -1,0 +1,121 @@
+// Densities against numeric integration and hand numbers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "agents/beta.h"
+#include "agents/stroke_place.h"
+
+namespace sandwright {
+namespace {
+
+struct Case {
+  double alpha, beta;
+};
+const Case kCases[] = {{1.7, 1.7}, {1.01, 4.0}, {12.0, 3.0}, {60.0, 80.0}};
+
+BetaParameters Of(const Case& c) {
+  return {torch::full({1, 1}, c.alpha), torch::full({1, 1}, c.beta)};
+}
+
+// Midpoint rule over the actions: x of shape [n, 1], each with weight `width`.
+torch::Tensor Midpoints(int64_t n) {
+  return ((torch::arange(n, torch::kFloat64) + 0.5) * (2.0 / static_cast<double>(n)) - 1.0)
+      .to(torch::kFloat32)
+      .unsqueeze(1);
+}
+
+TEST(Beta, DensityEntropyAndMeanMatchIntegration) {
+  constexpr int64_t n = 200000;
+  const double width = 2.0 / n;
+  for (const Case& c : kCases) {
+    const auto x = Midpoints(n);
+    const auto log_density = BetaLogProb(Of(c), x).to(torch::kFloat64);
+    const auto density = log_density.exp();
+    EXPECT_NEAR(density.sum().item<double>() * width, 1.0, 2e-3) << c.alpha;
+    EXPECT_NEAR(-(density * log_density).sum().item<double>() * width,
+                BetaEntropy(Of(c)).item<double>(), 3e-3)
+        << c.alpha;
+    EXPECT_NEAR((density * x.squeeze(1)).sum().item<double>() * width, BetaMean(Of(c)).item<double>(),
+                2e-3);
+  }
+}
+
+TEST(Beta, HandNumbers) {
+  // Beta(2, 2) on [-1, 1] has density 3/4 (1 - x^2) and variance 1/5.
+  const Case c{2, 2};
+  EXPECT_NEAR(BetaLogProb(Of(c), torch::zeros({1, 1})).item<double>(), std::log(0.75), 1e-6);
+  EXPECT_NEAR(BetaLogProb(Of(c), torch::full({1, 1}, 0.5)).item<double>(), std::log(0.5625), 1e-6);
+  // Beyond the bounds by rounding, and on them, the log density stays finite.
+  EXPECT_TRUE(std::isfinite(BetaLogProb(Of(c), torch::ones({1, 1})).item<double>()));
+}
+
+TEST(Beta, OutputsGiveOnePeak) {
+  const auto p = BetaFromOutputs(torch::tensor({{-30.0f, 0.0f, 5.0f, 40.0f}}));
+  EXPECT_GE(p.alpha.min().item<float>(), 1.0f);
+  EXPECT_GE(p.beta.min().item<float>(), 1.0f);
+  EXPECT_NEAR(p.alpha[0][1].item<float>(), 1.0f + std::log(2.0f), 1e-6f);
+}
+
+TEST(Beta, SamplesHaveTheRightMomentsAndBounds) {
+  RandomStream stream(3);
+  constexpr int n = 40000;
+  for (const Case& c : kCases) {
+    double sum = 0, squares = 0;
+    for (int i = 0; i < n; ++i) {
+      const float a = SampleBeta(c.alpha, c.beta, stream);
+      ASSERT_LT(std::abs(a), 1.0f);
+      sum += a, squares += a * a;
+    }
+    const double total = c.alpha + c.beta, mean = sum / n;
+    const double sd = 2.0 * std::sqrt(c.alpha * c.beta / (total * total * (total + 1)));
+    EXPECT_NEAR(mean, 2 * c.alpha / total - 1, 4 * sd / std::sqrt(n));
+    EXPECT_NEAR(std::sqrt(squares / n - mean * mean), sd, 0.02 * sd);
+  }
+}
+
+TEST(PlaceGrid, CentresLieInTheirBins) {
+  const PlaceGrid grid{4, 3, 5};
+  const auto bins = torch::arange(grid.bins(), torch::kInt64);
+  EXPECT_TRUE(torch::equal(grid.Bin(grid.Centre(bins)), bins));
+  // Bin (heading 2, row 1, column 0): x = -1 + 1/5, y = 0, heading = -1 + 2.5 / 2.
+  const auto centre = grid.Centre(torch::tensor({(2 * 3 + 1) * 5}));
+  EXPECT_NEAR(centre[0][0].item<double>(), -0.8, 1e-6);
+  EXPECT_NEAR(centre[0][1].item<double>(), 0.0, 1e-6);
+  EXPECT_NEAR(centre[0][2].item<double>(), 0.25, 1e-6);
+  // The bounds belong to the outer bins.
+  EXPECT_EQ(grid.Bin(torch::ones({1, 3})).item<int64_t>(), grid.bins() - 1);
+  EXPECT_EQ(grid.Bin(-torch::ones({1, 3})).item<int64_t>(), 0);
+}
+
+TEST(PlaceGrid, DensityIntegratesToOne) {
+  const PlaceGrid grid{4, 3, 5};
+  const auto logits = torch::linspace(-2, 3, grid.bins()).unsqueeze(0).expand({grid.bins(), -1});
+  const auto log_density = grid.LogProb(logits, torch::arange(grid.bins(), torch::kInt64));
+  const double volume = 8.0 / grid.bins();
+  EXPECT_NEAR(log_density.exp().sum().item<double>() * volume, 1.0, 1e-5);
+  EXPECT_NEAR(-(log_density.exp() * log_density).sum().item<double>() * volume,
+              grid.Entropy(logits)[0].item<double>(), 1e-5);
+  // Equal logits: the uniform density on a cube of side 2.
+  EXPECT_NEAR(grid.LogProb(torch::zeros({1, grid.bins()}), torch::zeros({1}, torch::kInt64)).item<double>(),
+              -std::log(8.0), 1e-6);
+}
+
+TEST(PlaceGrid, SamplesFollowTheProbabilities) {
+  const PlaceGrid grid{2, 2, 3};
+  std::vector<float> probability(12, 0.0f);
+  probability[1] = 0.25f, probability[11] = 0.75f;
+  RandomStream stream(5);
+  std::vector<int> counts(12, 0);
+  for (int i = 0; i < 4000; ++i) {
+    const auto drawn = grid.Sample(probability, stream);
+    const auto bin = grid.Bin(torch::tensor({{drawn[0], drawn[1], drawn[2]}}));
+    ++counts[static_cast<size_t>(bin.item<int64_t>())];
+  }
+  EXPECT_EQ(counts[1] + counts[11], 4000);
+  EXPECT_NEAR(counts[1], 1000, 4 * std::sqrt(4000 * 0.25 * 0.75));
+}
+
+}  // namespace
+}  // namespace sandwright
