@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "data/base/atomic_file.h"
 #include "data/base/parallel.h"
+#include "data/base/sha256.h"
 #include "data/stroke_dataset.h"
 
 namespace sandwright {
@@ -53,6 +55,7 @@ FitSamples ReadFitSamples(const std::vector<std::filesystem::path>& files, const
   for (const auto& path : files) {
     const StrokeFile file = ReadStrokeFile(path);
     result.beds.insert(file.bed);
+    result.sha256[path.filename().string()] = Sha256Hex(ReadFile(path));
     std::vector<FitSample> samples(file.strokes.size());
     ParallelFor(static_cast<int>(samples.size()), threads, [&](int index) {
       const auto i = static_cast<size_t>(index);

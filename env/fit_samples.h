@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct FitSample {
 struct FitSamples {
   std::vector<FitSample> samples;
   std::set<std::string> beds;
+  std::map<std::string, std::string> sha256;  // of each file, by its name
 };
 
 // Reads stroke files, brings the maps to the model's cells and runs its heightfield on each stroke.

@@ -224,12 +224,15 @@ std::map<std::string, std::string> Metadata(const FitConfig& config, const FitRe
                                             const FitSamples& data, const FitSamples& validation) {
   SurrogateConfig model = config.surrogate;
   FitConfig fit = config;
-  const nlohmann::json split = {{"data", data.beds}, {"validation", validation.beds}};
+  const auto identity = [](const FitSamples& part) {
+    return nlohmann::json{{"beds", part.beds}, {"files_sha256", part.sha256}};
+  };
+  const nlohmann::json split = {{"training", identity(data)}, {"validation", identity(validation)}};
   return {{"schema", "sandwright-surrogate"},
           {"config", ToJson(FieldsOf(model)).dump()},
           {"fit", ToJson(FieldsOf(fit)).dump()},
           {"channels", nlohmann::json(kSurrogateChannels).dump()},
-          {"beds", split.dump()},
+          {"data", split.dump()},
           {"seed", std::to_string(request.seed)}};
 }
 

@@ -1,0 +1,256 @@
+#include "env/surrogate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "data/base/random.h"
+#include "env/fit_samples.h"
+#include "env/load_sand_model.h"
+
+namespace sandwright {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+SurrogateConfig SmallConfig() {
+  SurrogateConfig config;
+  config.net.base_channels = 4;
+  config.net.poolings = 1;
+  return config;
+}
+
+// A net with random weights whose output is shifted by `head_bias` (in units of 10 mm).
+Safetensors RandomParameters(const SurrogateNetConfig& config, float head_bias) {
+  RandomStream stream(7);
+  Safetensors file;
+  for (const ConvShape& shape : SurrogateLayers(config)) {
+    NamedTensor weight{{shape.out, shape.in, shape.size, shape.size}, {}};
+    for (int i = 0; i < shape.out * shape.in * shape.size * shape.size; ++i)
+      weight.values.push_back(static_cast<float>(0.3 * stream.Normal()));
+    file.tensors[shape.name + ".weight"] = weight;
+    file.tensors[shape.name + ".bias"] = {{shape.out}, std::vector<float>(static_cast<size_t>(shape.out), head_bias)};
+  }
+  return file;
+}
+
+HeightMap Bumpy(int rows, int columns) {
+  HeightMap map(rows, columns, 0.004, 0.05f);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column)
+      map.At(row, column) += 0.006f * std::sin(0.13f * static_cast<float>(column)) * std::cos(0.1f * static_cast<float>(row));
+  }
+  return map;
+}
+
+Stroke Curve() { return {{{0.06, 0.08, 0.035}, {0.15, 0.19, 0.03}, {0.22, 0.10, 0.04}}, 2, 0.1}; }
+
+double Volume(const HeightMap& map) { return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0); }
+
+HeightMap Apply(const SandModel& model, const HeightMap& map, const Stroke& stroke) {
+  std::vector<SandState> states{SandState(map)};
+  model.Apply(states, std::span(&stroke, 1));
+  return states.front().map();
+}
+
+// The formula of the header, cell by cell.
+double Convolved(const std::vector<float>& in, int channels, int rows, int columns, const NamedTensor& w,
+                 int out, int row, int column) {
+  double sum = 0;
+  for (int c = 0; c < channels; ++c) {
+    for (int ky = 0; ky < 3; ++ky) {
+      for (int kx = 0; kx < 3; ++kx) {
+        const int y = row + ky - 1, x = column + kx - 1;
+        if (y < 0 || x < 0 || y >= rows || x >= columns) continue;
+        sum += w.values[static_cast<size_t>(((out * channels + c) * 3 + ky) * 3 + kx)] *
+               in[static_cast<size_t>((c * rows + y) * columns + x)];
+      }
+    }
+  }
+  return sum;
+}
+
+TEST(SurrogateNet, MatchesTheFormulaOfItsConvolutions) {
+  SurrogateNetConfig config;
+  config.base_channels = 4;
+  config.poolings = 0;
+  const Safetensors file = RandomParameters(config, 0.1f);
+  const int rows = 5, columns = 19;  // more than one block of columns
+  RandomStream stream(3);
+  std::vector<float> in(static_cast<size_t>(kSurrogateChannelCount * rows * columns));
+  for (float& v : in) v = static_cast<float>(stream.Normal());
+  const auto layer = [&](const std::vector<float>& x, int channels, const std::string& name) {
+    std::vector<float> out;
+    for (int o = 0; o < 4; ++o) {
+      for (int i = 0; i < rows * columns; ++i)
+        out.push_back(static_cast<float>(std::max(
+            0.1 + Convolved(x, channels, rows, columns, file.tensors.at(name + ".weight"), o, i / columns, i % columns), 0.0)));
+    }
+    return out;
+  };
+  const auto hidden = layer(layer(in, kSurrogateChannelCount, "down0a"), 4, "down0b");
+  const auto residual = SurrogateNet(config, file, "test").Forward(in, rows, columns);
+  for (size_t i = 0; i < residual.size(); ++i) {
+    double expected = 0.1f;
+    for (size_t c = 0; c < 4; ++c)
+      expected += file.tensors.at("head.weight").values[c] * hidden[c * residual.size() + i];
+    ASSERT_NEAR(residual[i], expected, 1e-3 * (1 + std::abs(expected))) << i;
+  }
+}
+
+TEST(SurrogateNet, RefusesForeignParameters) {
+  const SurrogateNetConfig config = SmallConfig().net;
+  Safetensors file = RandomParameters(config, 0);
+  file.tensors["down1a.bias"].values[0] = NAN;
+  EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); },
+              ThrowsMessage<Error>(HasSubstr("tensor down1a.bias holds a value that is not finite")));
+  file.tensors["down1a.bias"] = {{3}, {0, 0, 0}};
+  EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); },
+              ThrowsMessage<Error>(HasSubstr("down1a.bias has shape [3]; expected [8]")));
+  file.tensors.erase("down1a.bias");
+  EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); }, ThrowsMessage<Error>(HasSubstr("down1a.bias")));
+  SurrogateNetConfig odd;
+  odd.base_channels = 6;
+  EXPECT_THAT([&] { SurrogateLayers(odd); }, ThrowsMessage<Error>(HasSubstr("multiple of 4")));
+}
+
+TEST(Surrogate, ASilentNetIsTheHeightfield) {
+  const SurrogateConfig config = SmallConfig();
+  Safetensors silent = RandomParameters(config.net, 0);
+  for (float& w : silent.tensors["head.weight"].values) w = 0;
+  const HeightMap bed = Bumpy(75, 75);
+  EXPECT_EQ(Apply(Surrogate(config, silent, "test"), bed, Curve()).height_m,
+            Apply(Heightfield(config.heightfield), bed, Curve()).height_m);
+}
+
+TEST(Surrogate, BeyondTheWindowIsTheHeightfield) {
+  const SurrogateConfig config = SmallConfig();
+  const HeightMap bed(100, 150, 0.004, 0.05f);
+  const Stroke stroke = Curve();
+  const HeightMap learned = Apply(Surrogate(config, RandomParameters(config.net, 0.1f), "test"), bed, stroke);
+  const HeightMap plain = Apply(Heightfield(config.heightfield), bed, stroke);
+  const CellRect window = StrokeWindow(bed, SamplePath(stroke, 0.002)), changed = ChangedBounds(plain, learned, 0);
+  EXPECT_FALSE(changed.empty());
+  EXPECT_EQ(Union(window, changed).rows(), window.rows());
+  EXPECT_EQ(Union(window, changed).columns(), window.columns());
+}
+
+TEST(Surrogate, TakesAtMostWhatLiesThere) {
+  SurrogateConfig config = SmallConfig();
+  const HeightMap bed(75, 75, 0.004, 0.004f);
+  const Safetensors hungry = RandomParameters(config.net, -30);  // 300 mm less everywhere
+  const Stroke stroke{{{0.1, 0.15, 0.001}, {0.2, 0.15, 0.001}}, 1, 0.1};
+  const HeightMap after = Apply(Surrogate(config, hungry, "test"), bed, stroke);
+  for (float h : after.height_m) ASSERT_GE(h, 0);
+  EXPECT_EQ(after.At(37, 40), 0);  // all of it
+  config.conserve_volume = true;
+  const HeightMap kept = Apply(Surrogate(config, hungry, "test"), bed, stroke);
+  for (float h : kept.height_m) ASSERT_GE(h, 0);
+  EXPECT_NEAR(Volume(kept), Volume(bed), 1e-5 * Volume(bed));
+}
+
+TEST(Surrogate, ResidualRules) {
+  const CellRect rect{0, 0, 2, 2};
+  HeightMap map(2, 2, 0.004, 0.01f);
+  AddResidual(rect, {0.002, 0.004, -0.02, -0.002}, false, map);  // -0.02 finds only 0.01
+  EXPECT_NEAR(map.At(0, 1), 0.014, 1e-7);
+  EXPECT_EQ(map.At(1, 0), 0);
+  HeightMap same(2, 2, 0.004, 0.01f);
+  AddResidual(rect, {0.002, 0.004, -0.02, -0.002}, true, same);  // 12 out, 6 in: half goes out
+  EXPECT_NEAR(same.At(1, 0), 0.005, 1e-7);
+  EXPECT_NEAR(same.At(1, 1), 0.009, 1e-7);
+  EXPECT_NEAR(same.At(0, 1), 0.014, 1e-7);
+  HeightMap relative(2, 2, 0.004, 0.01f, Datum::kRelative);
+  AddResidual(rect, {0, 0, -0.02, 0}, false, relative);
+  EXPECT_NEAR(relative.At(1, 0), -0.01, 1e-7);
+}
+
+TEST(Surrogate, BatchOrderAndThreadsDoNotMatter) {
+  SurrogateConfig config = SmallConfig();
+  const Safetensors parameters = RandomParameters(config.net, 0.05f);
+  const Surrogate one(config, parameters, "test");
+  config.threads = config.heightfield.threads = 3;
+  const Surrogate three(config, parameters, "test");
+  const std::vector<Stroke> strokes = {Curve(), {{{0.05, 0.05, 0.03}, {0.2, 0.2, 0.03}}, 1, 0.1}, Curve()};
+  std::vector<SandState> states = {SandState(Bumpy(75, 75)), SandState(Bumpy(90, 60)), SandState(Bumpy(60, 90))};
+  std::vector<SandState> again = states;
+  const std::vector<Outcome> outcomes = one.Apply(states, strokes);
+  three.Apply(again, strokes);
+  for (size_t i = 0; i < states.size(); ++i) {
+    EXPECT_EQ(states[i].map().height_m, again[i].map().height_m);
+    EXPECT_GT(outcomes[i].moved_volume_m3, 0);
+  }
+  EXPECT_EQ(Apply(one, Bumpy(90, 60), strokes[1]).height_m, states[1].map().height_m);
+}
+
+TEST(Surrogate, NoSandTouchedNothingChanges) {
+  const SurrogateConfig config = SmallConfig();
+  const Surrogate model(config, RandomParameters(config.net, 0.3f), "test");
+  const HeightMap bed(75, 75, 0.004, 0.05f);
+  const Stroke above{{{0.1, 0.15, 0.08}, {0.2, 0.15, 0.08}}, 1, 0.1};
+  EXPECT_EQ(Apply(model, bed, above).height_m, bed.height_m);
+}
+
+TEST(Surrogate, RefusesOtherCellsAndLeavesTheStateAlone) {
+  const SurrogateConfig config = SmallConfig();
+  const Surrogate model(config, RandomParameters(config.net, 0.1f), "test");
+  const HeightMap bed(30, 30, 0.01, 0.05f);
+  EXPECT_THAT([&] { Apply(model, bed, Curve()); }, ThrowsMessage<Error>(HasSubstr("works on cells of 0.004 m")));
+}
+
+TEST(SurrogateEncoding, TurnsWithTheSquare) {
+  const SurrogateConfig config = SmallConfig();
+  const HeightMap bed = Bumpy(75, 75);
+  const ToolPath path = SamplePath(Curve(), 0.002);
+  std::vector<SandState> state{SandState(bed)};
+  Heightfield(config.heightfield).Apply(state, std::span(&path, 1));
+  FitSample sample{"", EncodeStroke(bed, state[0].map(), path, Blade{}, 1), {}, {}};
+  sample.target.assign(static_cast<size_t>(sample.input.rows * sample.input.columns), 0);
+  sample.weight = sample.target;
+  const double side = bed.width_m(), pi = std::acos(-1);
+  for (int symmetry = 0; symmetry < 8; ++symmetry) {
+    const auto turn_map = [&](const HeightMap& map) {
+      HeightMap out = map;
+      for (int row = 0; row < 75; ++row) {
+        for (int column = 0; column < 75; ++column) {
+          const int j = symmetry & 2 ? 74 - row : row, i = symmetry & 1 ? 74 - column : column;
+          (symmetry & 4 ? out.At(i, j) : out.At(j, i)) = map.At(row, column);
+        }
+      }
+      return out;
+    };
+    ToolPath turned = path;
+    for (BladePose& p : turned) {
+      if (symmetry & 1) p.x_m = side - p.x_m, p.yaw_rad = pi - p.yaw_rad;
+      if (symmetry & 2) p.y_m = side - p.y_m, p.yaw_rad = -p.yaw_rad;
+      if (symmetry & 4) std::swap(p.x_m, p.y_m), p.yaw_rad = pi / 2 - p.yaw_rad;
+    }
+    const SurrogateInput direct = EncodeStroke(turn_map(bed), turn_map(state[0].map()), turned, Blade{}, 1);
+    const SurrogateInput by_copy = ApplySymmetry(sample, symmetry).input;
+    ASSERT_EQ(direct.rows, by_copy.rows);
+    ASSERT_EQ(direct.columns, by_copy.columns);
+    // Cells on the edge of the blade's footprint may fall on either side by rounding.
+    size_t different = 0;
+    for (size_t i = 0; i < direct.channels.size(); ++i) different += std::abs(direct.channels[i] - by_copy.channels[i]) > 1e-3f;
+    EXPECT_LT(different, direct.channels.size() / 1000) << "symmetry " << symmetry;
+  }
+}
+
+TEST(LoadSandModel, NamesAndRefusals) {
+  EXPECT_EQ(LoadSandModel("heightfield", {})->name(), "heightfield");
+  HeightfieldConfig wide;
+  wide.blade.width_m = 0.08;
+  EXPECT_DOUBLE_EQ(LoadSandModel("none", wide)->blade().width_m, 0.08);
+  EXPECT_THAT([] { LoadSandModel("dem", {}); }, ThrowsMessage<Error>(HasSubstr("does not run in this version")));
+  EXPECT_THAT([] { LoadSandModel("sand", {}); }, ThrowsMessage<Error>(HasSubstr("unknown sand model 'sand'")));
+  EXPECT_THAT([] { LoadSandModel("missing.safetensors", {}); }, ThrowsMessage<Error>(HasSubstr("missing.safetensors")));
+  const auto path = std::filesystem::path(::testing::TempDir()) / "foreign.safetensors";
+  WriteSafetensors(RandomParameters(SmallConfig().net, 0), path);
+  EXPECT_THAT([&] { LoadSandModel(path.string(), {}); }, ThrowsMessage<Error>(HasSubstr("not a surrogate")));
+}
+
+}  // namespace
+}  // namespace sandwright
