@@ -10,5 +10,7 @@ namespace sandwright {
 // SANDWRIGHT_DATA names; without it in the source tree's data/, then in `data` beside the program.
 // Throws Error naming the places where it was looked for.
 std::filesystem::path ShippedFile(const std::string& relative);
+// A configuration of configs/, which lies beside data/.
+inline std::filesystem::path ShippedConfig(const std::string& name) { return ShippedFile("../configs/" + name); }
 
 }  // namespace sandwright
