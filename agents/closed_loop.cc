@@ -29,6 +29,7 @@ ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate&
     throw Error("the terrain's datum is relative: strokes need heights above the box floor");
   ShapingRun run{.start_error_m = GoalError(job.terrain, job.goal)};
   HeightMap sensed = job.terrain;
+  std::optional<JointAngles> arm;  // where the last stroke left it
   int rejected_in_a_row = 0;
   while (static_cast<int>(run.strokes.size()) < job.max_strokes &&
          rejected_in_a_row < job.max_rejected_in_a_row && run.final_error_m() > job.success_error_m) {
@@ -44,11 +45,12 @@ ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate&
     const Action action = agent.Act({&view, 1}, {&stream, 1}).front();
     step.stroke = DecodeAction(action, sensed, job.region, model.blade(), job.speed_mps);
     step.choose_ms = Lap_ms(clock);
-    step.verdict = gate.Check(step.stroke, sensed, GateSampling::kFine);
+    step.verdict = gate.Check(step.stroke, sensed, GateSampling::kFine, arm);
     step.gate_ms = Lap_ms(clock);
     step.before = step.predicted = step.after = sensed;
     rejected_in_a_row = step.verdict.accepted ? 0 : rejected_in_a_row + 1;
     if (step.verdict.accepted) {
+      arm = step.verdict.motion->knots.back();
       SandState state(sensed);
       model.Apply({&state, 1}, {&step.stroke, 1});
       step.predicted = state.map();
