@@ -191,11 +191,18 @@ void Avalanche::Flow(double tan_angle, double amount, std::span<const CellFace> 
 void Avalanche::Settle(double tan_angle) {
   const double rise_m = tan_angle * map_.cell_size_m;
   const double longest = kPlainStep * kMaxStages * (kMaxStages + 1) / 2;
-  for (active_ = touched_; !active_.empty();) {
+  active_ = touched_;
+  for (bool everywhere = true; !active_.empty();) {
     Load(active_, {});
     const Steepness steep = FindSteep(rise_m * (1 + kRestTolerance));
     active_ = steep.where;
-    if (active_.empty()) return;
+    if (active_.empty()) {
+      if (everywhere) return;
+      active_ = touched_;  // faces at the edge of a window go unseen while it moves
+      everywhere = true;
+      continue;
+    }
+    everywhere = false;
     // Super steps distort spikes and fresh cliffs; plain ones take their tops off first.
     if (steep.steepest > 4 * rise_m * rise_m)
       PlainSteps(rise_m * (1 + kRoundingSlack), kMargin * kPlainStep);

@@ -139,6 +139,7 @@ void WriteArray(H5::Group& group, const std::string& name, const T* values, size
   properties.setChunk(2, size.data());
   properties.setShuffle();
   properties.setDeflate(6);
+  H5Pset_obj_track_times(properties.getId(), false);  // the same content gives the same bytes
   group.createDataSet(name, NativeType<T>(), H5::DataSpace(2, size.data()), properties)
       .write(values, NativeType<T>());
 }

@@ -1,0 +1,34 @@
+// Random natural terrains for tasks, collected strokes and training.
+#pragma once
+
+#include "data/base/config.h"
+#include "data/base/random.h"
+#include "data/height_map.h"
+
+namespace sandwright {
+
+struct TerrainConfig {
+  double mean_depth_m = 0.05;
+  double amplitude_m = 0.008;
+  double longest_m = 0.15;
+  int64_t scales = 3;
+  double persistence = 0.5;
+  double repose_deg = 33;
+
+  void Fields(FieldList& f) {
+    f.Add("mean_depth_m", mean_depth_m, "mean depth of the sand [m]", 0.005, 1);
+    f.Add("amplitude_m", amplitude_m, "standard deviation of the heights before they settle [m]; 0: flat", 0, 0.5);
+    f.Add("longest_m", longest_m, "size of the largest hills [m]", 0.01, 5);
+    f.Add("scales", scales, "number of scales, each half the one before", 1, 8);
+    f.Add("persistence", persistence, "amplitude of a scale over that of the one before [1]", 0, 1);
+    f.Add("repose_deg", repose_deg, "no slope is steeper [deg]", 5, 60);
+  }
+};
+
+// Smooth noise at several scales, settled to repose. The mean depth is exact to rounding; no cell is
+// below a fifth of it (the amplitude gives way). Same stream, same bytes.
+// Throws Error where a value is out of range or the grid has less than 2 x 2 cells.
+HeightMap GenerateTerrain(const TerrainConfig& config, int rows, int columns, double cell_size_m,
+                          RandomStream& stream);
+
+}  // namespace sandwright
