@@ -58,23 +58,6 @@ GoalShape DrawShape(const TaskConfig& config, const Region& place, double sand_d
   return shape;
 }
 
-// Smooth hills of a few wavelengths.
-HeightMap GenerateTerrain(int rows, int columns, double cell_size_m, RandomStream& stream) {
-  HeightMap map(rows, columns, cell_size_m, 0.05f);
-  for (int wave = 0; wave < 8; ++wave) {
-    const double k = 2 * std::numbers::pi / stream.Uniform(0.1, 0.3);
-    const double heading = std::numbers::pi * stream.Uniform(-1, 1), phase = stream.Uniform(0, 6.3);
-    const double amplitude = 0.1 / k;
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        const double s = (std::cos(heading) * column + std::sin(heading) * row) * cell_size_m;
-        map.At(row, column) += static_cast<float>(amplitude * std::sin(k * s + phase));
-      }
-    }
-  }
-  return map;
-}
-
 void Flatten(HeightMap& map, double about_m, double factor) {
   for (float& h : map.height_m) h = static_cast<float>(about_m + factor * (h - about_m));
 }
@@ -97,7 +80,7 @@ Task GenerateTask(const TaskConfig& config, RandomStream& stream) {
   const int columns = WholeCells(config.width_m, config.cell_size_m, "width_m");
   double roughest_m = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    const HeightMap terrain = GenerateTerrain(rows, columns, config.cell_size_m, stream);
+    const HeightMap terrain = GenerateTerrain(config.terrain, rows, columns, config.cell_size_m, stream);
     Task task = GenerateGoal(config, terrain, stream);
     const double error_m = GoalError(task.terrain, task.goal);
     roughest_m = std::max(roughest_m, error_m);

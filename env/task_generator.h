@@ -5,6 +5,7 @@
 #include "data/base/random.h"
 #include "data/task.h"
 #include "env/goals.h"
+#include "env/terrain_generator.h"
 
 namespace sandwright {
 
@@ -22,6 +23,8 @@ struct TaskConfig {
   double margin_m = 0;
   double difficulty_low_m = 0.004, difficulty_high_m = 0.010;
   int64_t max_strokes = 10;
+  // Hills a few blades wide: what strokes can shape within a budget.
+  TerrainConfig terrain = {.amplitude_m = 0.012, .longest_m = 0.2, .scales = 2, .persistence = 0.4};
 
   void Fields(FieldList& f) {
     f.Add("width_m", width_m, "box along x [m]", 0.05, 5);
@@ -34,6 +37,7 @@ struct TaskConfig {
     f.Add("difficulty_low_m", difficulty_low_m, "least goal error at the start [m]", 0.0001, 0.05);
     f.Add("difficulty_high_m", difficulty_high_m, "largest goal error at the start [m]", 0.0001, 0.05);
     f.Add("max_strokes", max_strokes, "budget of a task [strokes]", 1, 10000);
+    f.Section("terrain", terrain);
   }
 };
 
