@@ -12,6 +12,7 @@
 #include "agents/run_log.h"
 #include "data/base/atomic_file.h"
 #include "data/base/error.h"
+#include "data/base/machine.h"
 #include "data/base/progress.h"
 #include "data/base/stop.h"
 #include "env/load_sand_model.h"
@@ -91,7 +92,9 @@ class Run {
   }
 
   nlohmann::json Go() {
-    WriteFileAtomically(run_.folder / "config.yaml", ToYaml(FieldsOf(config_)));
+    WriteFileAtomically(run_.folder / "config.yaml",
+                        fmt::format("# train --seed {}, version {} ({})\n{}", run_.seed, BuildVersion(),
+                                    BuildCommit(), ToYaml(FieldsOf(config_))));
     RunLog log(run_.folder, ppo_.steps());
     Progress progress("train", config_.total_steps, "strokes");
     progress.Update(ppo_.steps());

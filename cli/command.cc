@@ -21,14 +21,14 @@ void Command::DeclareCommon(CLI::App& app) {
 }
 
 void Command::Configure(const std::vector<std::string>& overrides) {
-  if (!config_file_.empty()) LoadYaml(fields_, config_file_);
+  const std::string file = config_file_.empty() ? DefaultConfigFile() : config_file_;
+  if (!file.empty()) LoadYaml(fields_, file);
   ApplyOverrides(fields_, overrides);
 }
 
 nlohmann::json Command::ResolvedConfig() const { return ToJson(fields_); }
 
-void Command::WriteResult(nlohmann::json result) const {
-  if (json_file_.empty()) return;
+nlohmann::json Command::WithRun(nlohmann::json result) const {
   result["command"] = name_;
   result["config"] = ResolvedConfig();
   result["seed"] = seed_;
@@ -36,7 +36,11 @@ void Command::WriteResult(nlohmann::json result) const {
   result["version"] = BuildVersion();
   result["commit"] = BuildCommit();
   result["machine"] = MachineDescription();
-  WriteFileAtomically(json_file_, result.dump(2) + "\n");
+  return result;
+}
+
+void Command::WriteResult(const nlohmann::json& result) const {
+  if (!json_file_.empty()) WriteFileAtomically(json_file_, WithRun(result).dump(2) + "\n");
 }
 
 void Command::WriteRefusal(const std::vector<std::string>& reasons) const {

@@ -33,7 +33,9 @@ class Command {
 
   // Adds --config, --seed, --threads, --json and the help of the keys.
   void DeclareCommon(CLI::App& app);
-  // --config FILE, then the dotted overrides in order.
+  // The configuration that is read where --config is not given; "": none.
+  virtual std::string DefaultConfigFile() const { return ""; }
+  // --config FILE (or the default one), then the dotted overrides in order.
   void Configure(const std::vector<std::string>& overrides);
   // The --json file for a refusal that was thrown.
   void WriteRefusal(const std::vector<std::string>& reasons) const;
@@ -42,9 +44,10 @@ class Command {
   uint64_t seed() const { return seed_; }
   int threads() const { return threads_; }
   const std::string& config_file() const { return config_file_; }  // "" where none was given
-  // Adds command, config (resolved), seed, threads, version, commit and machine, and writes the
-  // --json file where one was asked for.
-  void WriteResult(nlohmann::json result) const;
+  // `result` with command, config (resolved), seed, threads, version, commit and machine.
+  nlohmann::json WithRun(nlohmann::json result) const;
+  // Writes that to the --json file where one was asked for.
+  void WriteResult(const nlohmann::json& result) const;
   // The resolved configuration of this run.
   nlohmann::json ResolvedConfig() const;
 

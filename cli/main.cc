@@ -21,6 +21,12 @@ struct Entry {
 };
 
 constexpr Entry kCommands[] = {
+    {"collect", "collects strokes: random ones, one after another, before and after kept", MakeCollectCommand},
+    {"fit", "trains a surrogate on stroke files", MakeFitCommand},
+    {"score", "accuracy of a sand model on stroke files", MakeScoreCommand},
+    {"simulate", "applies strokes to a terrain", MakeSimulateCommand},
+    {"train", "trains an agent headless", MakeTrainCommand},
+    {"eval", "an agent on tasks", MakeEvalCommand},
     {"tasks", "makes task files", MakeTasksCommand},
 };
 
