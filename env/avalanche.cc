@@ -18,13 +18,13 @@ constexpr double kPlainStep = 0.24;
 // Longer Legendre sums distort fronts.
 constexpr int kMaxStages = 9;
 // Share by which a slope must pass the angle to count as still flowing: while the blade moves, and at rest.
-constexpr double kFlowTolerance = 1e-2, kRestTolerance = 1e-3;
+constexpr double kFlowTolerance = 0.05, kRestTolerance = 1e-3;
 // Above the rounding of slopes in float, so that a slope exactly at the angle does not creep.
 constexpr double kRoundingSlack = 2e-5;
 // Change of a firm cell, as a share of the critical rise, that makes it loose.
 constexpr double kLoosening = 1e-2;
 // Sand may run this many cells past the steep ones in one step.
-constexpr int kMargin = 4;
+constexpr int kMargin = 3;
 
 float LowestIn(const std::vector<float>& heights) {
   return LowestHeight(heights.data(), static_cast<int>(heights.size()));
@@ -48,9 +48,9 @@ void Avalanche::Load(const CellRect& active, std::span<const CellFace> closed) {
   window_ = {std::max(active.row0 - kMargin, 0), std::max(active.column0 - kMargin, 0),
              std::min(active.row1 + kMargin, map_.rows),
              std::min(active.column1 + kMargin, map_.columns)};
-  stride_ = window_.columns() + 2;
+  stride_ = WholeLanes(window_.columns()) + 2;
   const size_t size = static_cast<size_t>(stride_) * static_cast<size_t>(window_.rows() + 2);
-  for (std::vector<float>* y : {&start_, &y1_, &y2_, &out_, &window_resist_}) y->resize(size);
+  for (std::vector<float>* y : {&start_, &window_resist_}) y->resize(size);
   for (int row = -1; row <= window_.rows(); ++row) {
     const int from = std::clamp(window_.row0 + row, 0, map_.rows - 1);
     const float* source = &map_.height_m[map_.Index(from, 0)];
@@ -59,7 +59,7 @@ void Avalanche::Load(const CellRect& active, std::span<const CellFace> closed) {
     std::copy_n(&resist_[map_.Index(from, window_.column0)], window_.columns(),
                 &window_resist_[static_cast<size_t>((row + 1) * stride_ + 1)]);
     target[0] = source[std::max(window_.column0 - 1, 0)];
-    target[stride_ - 1] = source[std::min(window_.column1, map_.columns - 1)];
+    target[window_.columns() + 1] = source[std::min(window_.column1, map_.columns - 1)];
   }
   out_ = y1_ = y2_ = start_;  // the ring outside the window stays as it is
 

@@ -66,13 +66,13 @@ SAND_INLINE float Felt(Rise r, float resist, float rise_m) {
 }  // namespace
 
 SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
-  const int stride = w.stride, columns = w.columns;
+  const int stride = w.stride, columns = w.columns, faces = WholeLanes(columns);
   const float rise_m = w.rise_m, momentum = w.momentum, step = w.step;
   float* __restrict flux_x = w.flux;                // flux_x[i]: between columns i - 1 and i
   float* __restrict flux_low = w.flux + stride;     // between the row before and this one
   float* __restrict flux_high = w.flux + 2 * stride;
   std::fill(flux_low, flux_low + columns, 0.0f);
-  flux_x[0] = flux_x[columns] = 0;
+  flux_x[0] = 0;
   for (int row = 0; row < w.rows; ++row) {
     const int first = (row + 1) * stride + 1;
     const float* h = w.y1 + first;
@@ -81,16 +81,17 @@ SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
     float* __restrict out = w.out + first;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
     if (masked) {
-      for (int i = 0; i + 1 < columns; ++i) flux_x[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m * Resist(resist, i, 1));
+      for (int i = 0; i < faces; ++i) flux_x[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m * Resist(resist, i, 1));
     } else {
-      for (int i = 0; i + 1 < columns; ++i) flux_x[i + 1] = Flux(RiseX(h, stride, i), rise_m * Resist(resist, i, 1));
+      for (int i = 0; i < faces; ++i) flux_x[i + 1] = Flux(RiseX(h, stride, i), rise_m * Resist(resist, i, 1));
     }
+    flux_x[columns] = 0;
     if (row + 1 == w.rows) {
       std::fill(flux_high, flux_high + columns, 0.0f);
     } else if (masked) {
-      for (int i = 0; i < columns; ++i) flux_high[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m * Resist(resist, i, stride));
+      for (int i = 0; i < faces; ++i) flux_high[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m * Resist(resist, i, stride));
     } else {
-      for (int i = 0; i < columns; ++i) flux_high[i] = Flux(RiseY(h, stride, i), rise_m * Resist(resist, i, stride));
+      for (int i = 0; i < faces; ++i) flux_high[i] = Flux(RiseY(h, stride, i), rise_m * Resist(resist, i, stride));
     }
     for (int i = 0; i < columns; ++i) {
       const float inflow = (flux_x[i + 1] - flux_x[i]) + (flux_high[i] - flux_low[i]);
@@ -101,7 +102,7 @@ SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
 }
 
 SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_column) {
-  const int stride = w.stride, columns = w.columns;
+  const int stride = w.stride, columns = w.columns, faces = WholeLanes(columns);
   const float rise_m = w.rise_m;
   float* __restrict square_x = w.flux;
   float* __restrict square_y = w.flux + stride;
@@ -113,18 +114,18 @@ SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_
     const float* h = w.y1 + first;
     const float *ox = w.open_x + first, *oy = w.open_y + first, *resist = w.resist + first;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
-    square_x[0] = square_x[columns] = 0;  // square_x[i]: between columns i - 1 and i
     if (masked) {
-      for (int i = 0; i + 1 < columns; ++i) square_x[i + 1] = Felt(MaskedRiseX(h, ox, oy, stride, i), Resist(resist, i, 1), rise_m);
+      for (int i = 0; i < faces; ++i) square_x[i + 1] = Felt(MaskedRiseX(h, ox, oy, stride, i), Resist(resist, i, 1), rise_m);
     } else {
-      for (int i = 0; i + 1 < columns; ++i) square_x[i + 1] = Felt(RiseX(h, stride, i), Resist(resist, i, 1), rise_m);
+      for (int i = 0; i < faces; ++i) square_x[i + 1] = Felt(RiseX(h, stride, i), Resist(resist, i, 1), rise_m);
     }
+    square_x[0] = square_x[columns] = 0;  // square_x[i]: between columns i - 1 and i
     if (row + 1 == w.rows) {
       std::fill(square_y, square_y + columns, 0.0f);
     } else if (masked) {
-      for (int i = 0; i < columns; ++i) square_y[i] = Felt(MaskedRiseY(h, ox, oy, stride, i), Resist(resist, i, stride), rise_m);
+      for (int i = 0; i < faces; ++i) square_y[i] = Felt(MaskedRiseY(h, ox, oy, stride, i), Resist(resist, i, stride), rise_m);
     } else {
-      for (int i = 0; i < columns; ++i) square_y[i] = Felt(RiseY(h, stride, i), Resist(resist, i, stride), rise_m);
+      for (int i = 0; i < faces; ++i) square_y[i] = Felt(RiseY(h, stride, i), Resist(resist, i, stride), rise_m);
     }
     float largest = 0, largest_y = 0;
     for (int i = 0; i < columns; ++i) {

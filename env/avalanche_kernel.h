@@ -3,8 +3,14 @@
 
 namespace sandwright {
 
+// Cells that vector code takes at a time. Faces are computed up to a whole number of lanes and the
+// surplus is ignored: square roots one by one at the end of each row would cost more than the row.
+inline constexpr int kLanes = 8;
+constexpr int WholeLanes(int columns) { return (columns + kLanes - 1) / kLanes * kLanes; }
+
 // A window of heights [m] with a ring of one cell around it: element (row, column) of the window is
-// at (row + 1) * stride + column + 1 of each buffer. No sand passes the window's edge.
+// at (row + 1) * stride + column + 1 of each buffer; stride is at least WholeLanes(columns) + 2 and
+// the surplus holds finite numbers. No sand passes the window's edge.
 struct AvalancheWindow {
   const float* y1;      // heights whose slopes drive the fluxes
   const float* y2;      // heights one stage earlier
