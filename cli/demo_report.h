@@ -13,7 +13,7 @@ namespace sandwright {
 // One agent's run on the demo's bed.
 struct DemoRun {
   std::string agent;
-  ShapingRun run;
+  ShapingRun run = {};
   double seconds = 0;  // wall time of the whole run, rescans and all
 };
 

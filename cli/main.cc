@@ -28,6 +28,8 @@ constexpr Entry kCommands[] = {
     {"train", "trains an agent headless", MakeTrainCommand},
     {"eval", "an agent on tasks", MakeEvalCommand},
     {"tasks", "makes task files", MakeTasksCommand},
+    {"plan", "terrain + goal -> gated strokes", MakePlanCommand},
+    {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at", MakeDemoCommand},
 };
 
 // Dotted overrides (key=value) may stand anywhere that is not the value right behind a flag; taken

@@ -1,0 +1,216 @@
+#include "cli/demo_run.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "agents/load_agent.h"
+#include "data/shipped.h"
+#include "data/task.h"
+#include "env/arm_picture.h"
+#include "env/goals.h"
+#include "env/load_sand_model.h"
+#include "robot_model/plan.h"
+#include "robot_model/urscript.h"
+
+namespace sandwright {
+namespace {
+
+// Seconds of each named part, in order.
+class Timings {
+ public:
+  void Mark(const std::string& part) {
+    const auto now = std::chrono::steady_clock::now();
+    parts_.emplace_back(part, std::chrono::duration<double>(now - last_).count());
+    spdlog::info("{}: {:.1f} s", part, parts_.back().second);
+    last_ = now;
+  }
+  const std::vector<std::pair<std::string, double>>& parts() const { return parts_; }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::vector<std::pair<std::string, double>> parts_;
+};
+
+// Grey picture: near is bright, no reading is black; the range of the middle 96 % of the readings.
+cv::Mat DrawFrame(const DepthFrame& frame) {
+  std::vector<float> readings;
+  std::ranges::copy_if(frame.depth_m, std::back_inserter(readings), [](float z) { return z > 0; });
+  std::ranges::sort(readings);
+  const float near = readings[readings.size() / 50], far = readings[readings.size() - 1 - readings.size() / 50];
+  cv::Mat image(frame.height, frame.width, CV_8UC3);
+  for (int v = 0; v < frame.height; ++v) {
+    for (int u = 0; u < frame.width; ++u) {
+      const float z = frame.At(u, v);
+      const auto grey = z > 0 ? cv::saturate_cast<uchar>(40 + 215 * (far - z) / std::max(far - near, 1e-3f)) : uchar{0};
+      image.at<cv::Vec3b>(v, u) = {grey, grey, grey};
+    }
+  }
+  return image;
+}
+
+// The shipped cell with a box of the scanned size in front of the arm.
+Workcell CellFor(const HeightMap& terrain) {
+  Workcell cell = LoadWorkcell(ShippedConfig("workcell.yaml"));
+  cell.box.width_m = terrain.width_m();
+  cell.box.depth_m = terrain.depth_m();
+  cell.X_WB.translation_m[0] = -terrain.width_m() / 2;
+  return cell;
+}
+
+GoalShape ShapeFor(const DemoConfig& config, const Region& region) {
+  return {.kind = ParseGoalKind(config.goal),
+          .x_m = region.x_m + region.width_m / 2,
+          .y_m = region.y_m + region.depth_m / 2,
+          .heading_rad = 0.5,
+          .half_length_m = 0.05,
+          .half_width_m = 0.03,
+          .rise_m = 0.02};
+}
+
+// One agent on its own copy of the bed; the same seed for each, so that luck is shared.
+DemoRun RunAgent(Agent& agent, const SandModel& model, const SafetyGate& gate, const ShapingJob& job,
+                 const SandModel& world, const DemoConfig& config, uint64_t seed,
+                 std::vector<ExecutedStroke>* executed) {
+  SimulatedRig rig(gate.workcell(), world, job.terrain, config.rig, RandomStream(seed, StreamId("demo rig")));
+  const auto start = std::chrono::steady_clock::now();
+  DemoRun run{.agent = agent.name()};
+  run.run = RunClosedLoop(agent, model, gate, job, RandomStream(seed, StreamId("demo agent")),
+                          [&](const StrokeMotion& motion) {
+                            ExecutedStroke stroke = rig.Execute(motion);
+                            if (executed) executed->push_back(std::move(stroke));
+                            return rig.Scan(config.scan);
+                          });
+  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return run;
+}
+
+// Joint curves end to end and how far the blade strayed sideways and in depth from its plan.
+void AddMotion(const std::vector<ExecutedStroke>& executed, const ShapingRun& run, DemoReport& report) {
+  double offset_s = 0;
+  size_t index = 0;
+  for (const ShapingStroke& stroke : run.strokes) {
+    if (!stroke.verdict.accepted) continue;
+    const ExecutedStroke& done = executed.at(index++);
+    for (size_t i = 0; i < done.record.size(); ++i) {
+      report.time_s.push_back(offset_s + done.record.time_s[i]);
+      std::array<double, 6> joints;
+      for (int k = 0; k < 6; ++k) joints[static_cast<size_t>(k)] = done.record.measured[i][k];
+      report.joints_rad.push_back(joints);
+    }
+    offset_s = report.time_s.back();
+    const ToolPath plan = SamplePath(stroke.stroke, 5e-4);
+    for (const BladePose& pose : done.path) {
+      double nearest_m = 1;
+      for (const BladePose& p : plan)
+        nearest_m = std::min(nearest_m, std::hypot(pose.x_m - p.x_m, pose.y_m - p.y_m, pose.z_m - p.z_m));
+      report.tracking_error_mm = std::max(report.tracking_error_mm, 1e3 * nearest_m);
+    }
+  }
+}
+
+// The arm half-way through its first stroke.
+void AddArmPicture(const Workcell& cell, const ShapingRun& run, const HeightMap& terrain, DemoReport& report) {
+  const auto accepted = std::ranges::find_if(run.strokes, [](auto& s) { return s.verdict.accepted; });
+  if (accepted == run.strokes.end()) return;
+  const StrokeMotion& motion = *accepted->verdict.motion;
+  try {
+    report.arm = ArmPicture(cell, terrain).Draw(motion.knots[(motion.path_begin + motion.path_end) / 2]);
+  } catch (const Error& e) {
+    report.arm_note = fmt::format("No picture of the arm: {}", e.what());
+    spdlog::warn("{}", report.arm_note);
+  }
+}
+
+std::string ScriptOf(const ShapingRun& run, const SafetyGate& gate, const HeightMap& terrain) {
+  std::vector<Stroke> strokes;
+  for (const ShapingStroke& stroke : run.strokes) {
+    if (stroke.verdict.accepted) strokes.push_back(stroke.stroke);
+  }
+  const PlanVerdict verdict = CheckPlan(gate, strokes, terrain);
+  if (!verdict.accepted) throw Error("the gate rejects the strokes as one program", verdict.reasons);
+  return MakeUrScript(strokes, verdict, gate, "sandwright_demo");
+}
+
+}  // namespace
+
+DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t seed, int threads) {
+  Timings timings;
+  const DepthFrame frame = ReadDepthFrame(frame_file);
+  const ScanResult scan = ScanDepth({&frame, 1}, config.rig.camera, config.scan, {.sand_depth_m = config.sand_depth_m});
+  if (!scan.accepted) throw Error(frame_file + " is not a bed of sand", scan.reasons);
+  timings.Mark("scan");
+
+  DemoReport report;
+  report.frame_name = std::filesystem::path(frame_file).filename().string();
+  report.frame = DrawFrame(frame);
+  report.terrain = scan.map;
+  report.scan_summary = fmt::format(
+      "The walls were found, {:.2f} degrees of tilt taken out; {:.1f} % of the pixels in the box had no reading; "
+      "a single reading on the sand scatters by {:.2f} mm. The floor lies hidden under the sand: a mean depth of "
+      "{:.0f} mm was given and sets the zero.",
+      scan.tilt_removed_deg, 100 * scan.invalid_share, scan.noise_mm, 1e3 * config.sand_depth_m);
+  const Region region{(scan.map.width_m() - config.region_m) / 2, (scan.map.depth_m() - config.region_m) / 2,
+                      config.region_m, config.region_m};
+  report.region = region;
+  report.goal = MakeGoal(ShapeFor(config, region), scan.map, region, 1);
+
+  const Workcell cell = CellFor(scan.map);
+  const SafetyGate gate(cell);
+  HeightfieldConfig model_config;
+  model_config.threads = config.world.threads = threads;
+  const auto model = LoadSandModel(config.model, model_config);
+  const Heightfield world(config.world);
+  report.blade = cell.tool.blade;
+  report.model = fmt::format("Predictions come from the sand model \"{}\".", config.model);
+  report.world = fmt::format(
+      "The strokes are executed in another sand: a heightfield with a repose angle of {:.0f} degrees, which the "
+      "model does not know, under a blade that follows its path as well as the simulated servos do.",
+      config.world.repose_deg);
+  const ShapingJob job{.terrain = scan.map, .goal = report.goal, .region = region,
+                       .max_strokes = static_cast<int>(config.max_strokes), .speed_mps = config.speed_mps};
+  timings.Mark("goal, cell and models");
+
+  std::vector<ExecutedStroke> executed;
+  for (const std::string& name : {config.agent, std::string("greedy"), std::string("random")}) {
+    const auto agent = LoadAgent(name, {.model = *model, .greedy = {}, .speed_mps = config.speed_mps});
+    const bool first = report.runs.empty();
+    report.runs.push_back(RunAgent(*agent, *model, gate, job, world, config, seed, first ? &executed : nullptr));
+    timings.Mark(agent->name() + ": strokes chosen, gated, executed, rescanned");
+  }
+  const ShapingRun& run = report.runs.front().run;
+  AddMotion(executed, run, report);
+  AddArmPicture(cell, run, scan.map, report);
+  timings.Mark("picture of the arm");
+  report.urscript = ScriptOf(run, gate, scan.map);
+  timings.Mark("URScript");
+  report.timings_s = timings.parts();
+  return report;
+}
+
+nlohmann::json DemoJson(const DemoReport& report) {
+  nlohmann::json json = {{"frame", report.frame_name}, {"tracking_error_mm", report.tracking_error_mm}};
+  for (const DemoRun& run : report.runs) {
+    nlohmann::json strokes = nlohmann::json::array();
+    for (const ShapingStroke& stroke : run.run.strokes)
+      strokes.push_back({{"accepted", stroke.verdict.accepted},
+                         {"reasons", stroke.verdict.reasons},
+                         {"in_goal_mean_diff_mm", 1e3 * stroke.goal_error_m},
+                         {"choose_ms", stroke.choose_ms},
+                         {"gate_ms", stroke.gate_ms},
+                         {"predict_ms", stroke.predict_ms}});
+    json["agents"].push_back({{"agent", run.agent},
+                              {"in_goal_mean_diff_start_mm", 1e3 * run.run.start_error_m},
+                              {"in_goal_mean_diff_mm", 1e3 * run.run.final_error_m()},
+                              {"rejected_strokes", run.run.rejected()},
+                              {"seconds", run.seconds},
+                              {"strokes", strokes}});
+  }
+  for (const auto& [part, seconds] : report.timings_s) json["timings_s"].push_back({{"part", part}, {"seconds", seconds}});
+  return json;
+}
+
+}  // namespace sandwright
