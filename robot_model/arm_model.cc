@@ -11,7 +11,7 @@ namespace sandwright {
 namespace {
 
 constexpr double kSteel[] = {0.55, 0.57, 0.60}, kWood[] = {0.62, 0.46, 0.30}, kDark[] = {0.16, 0.17, 0.19},
-                 kTable[] = {0.80, 0.81, 0.82}, kSand[] = {0.87, 0.76, 0.56};
+                 kTable[] = {0.72, 0.74, 0.76}, kSand[] = {0.93, 0.80, 0.58};
 
 struct DeleteSpec {
   void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
@@ -74,6 +74,12 @@ void AddTool(mjsBody* flange, const ToolSettings& tool) {
   AddGeom(flange, "holder", mjGEOM_CYLINDER, X_FH, {tool.holder_radius_m, length / 2, 0}, kSteel);
   AddGeom(flange, "camera", mjGEOM_BOX, X_FC, 0.5 * Eigen::Map<const Eigen::Vector3d>(tool.camera_body_m.data()),
           kDark);
+  // The bracket that carries the camera.
+  const Eigen::Vector3d camera = X_FC.translation();
+  Eigen::Isometry3d X_FK = Eigen::Isometry3d::Identity();
+  X_FK.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), camera).toRotationMatrix();
+  X_FK.translation() = camera / 2;
+  AddGeom(flange, "bracket", mjGEOM_CAPSULE, X_FK, {0.008, std::max(camera.norm() / 2, 1e-3), 0}, kSteel);
   const auto site = [&](const char* name, const Eigen::Isometry3d& X) {
     mjsSite* added = mjs_addSite(flange, nullptr);
     mjs_setName(added->element, name);
@@ -105,6 +111,26 @@ void AddSand(mjSpec* spec, mjsBody* world, const Workcell& cell, const HeightMap
   mjs_setString(geom->hfieldname, "sand");
 }
 
+// Daylight for pictures: one lamp over the box, a pale background.
+void AddLight(mjSpec* spec, mjsBody* world, const Workcell& cell) {
+  const Eigen::Vector3d lamp = cell.X_WB.ToIsometry() * Eigen::Vector3d(-0.3, cell.box.depth_m + 0.5, 2.5);
+  const Eigen::Vector3d aim = cell.X_WB.ToIsometry() * Eigen::Vector3d(cell.box.width_m / 2, cell.box.depth_m / 2, 0);
+  mjsLight* light = mjs_addLight(world, nullptr);
+  std::ranges::copy(lamp, light->pos);
+  std::ranges::copy((aim - lamp).normalized(), light->dir);
+  light->type = mjLIGHT_DIRECTIONAL;
+  std::ranges::fill(light->ambient, 0.25f);
+  std::ranges::fill(light->diffuse, 0.75f);
+  std::ranges::fill(light->specular, 0.1f);
+  mjsTexture* sky = mjs_addTexture(spec, nullptr);
+  mjs_setName(sky->element, "sky");
+  sky->type = mjTEXTURE_SKYBOX;
+  sky->builtin = mjBUILTIN_GRADIENT;
+  sky->width = sky->height = 64;
+  std::ranges::fill(sky->rgb1, 0.97);
+  std::ranges::fill(sky->rgb2, 0.85);
+}
+
 }  // namespace
 
 MujocoModel MakeArmModel(const Workcell& workcell, const HeightMap* terrain) {
@@ -119,6 +145,7 @@ MujocoModel MakeArmModel(const Workcell& workcell, const HeightMap* terrain) {
   if (terrain) {
     spec->memory = 1 << 24;
     AddSand(spec.get(), world, workcell, *terrain);
+    AddLight(spec.get(), world, workcell);
   }
   MujocoModel model(mj_compile(spec.get(), nullptr));
   SAND_CHECK(model, mjs_getError(spec.get()));

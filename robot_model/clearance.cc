@@ -15,7 +15,7 @@ const Names kBase = {"base", "shoulder"};
 const Names kUpperArm = {"upper_arm_shoulder", "upper_arm_tube", "upper_arm_elbow"};
 const Names kForearm = {"forearm_elbow", "forearm_tube", "forearm_wrist"};
 const Names kWrist = {"wrist_1", "wrist_2", "wrist_3"};
-const Names kHand = {"holder", "camera"};
+const Names kHand = {"holder", "camera", "bracket"};
 const Names kSurroundings = {"wall_0", "wall_1", "wall_2", "wall_3", "box_floor", "table", "pedestal"};
 
 // Groups that can meet. Neighbours in the chain overlap by construction; camera and wrists keep

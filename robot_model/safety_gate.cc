@@ -8,6 +8,7 @@
 
 #include "data/base/error.h"
 #include "robot_model/clearance.h"
+#include "robot_model/curve_speed.h"
 
 namespace sandwright {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 constexpr double kCoarseStep_m = 0.04, kCoarseVerticalStep_m = 0.07, kCoarseTurn_rad = 0.3;
 constexpr double kCoarseClearance_m = 0.015, kCoarseSingular = 0.02, kCoarsePosition_rad = 0.05;
 constexpr double kCoarseRates = 1.5;     // factor on speeds and accelerations
-constexpr double kCoarseDuration = 3;    // factor on the duration: short bends slow a curve down
+constexpr double kCoarseDuration = 1.1;  // factor on the duration
 // How far beyond its margin the coarse sampling measures distances.
 constexpr double kCoarseSeen_m = 0.01;
 // The fine sampling looks at distances and singular values whenever a joint has moved this far.
@@ -132,6 +133,12 @@ void SafetyGate::Impl::CheckShape(const Stroke& stroke, std::vector<std::string>
     if (extent > limits.max_extent_m)
       reasons.push_back(fmt::format("control points span {:.3f} m along {}; limit {:.3f} m", extent,
                                     "xyz"[axis], limits.max_extent_m));
+  }
+  if (stroke.degree == 2 && stroke.control_points_m.size() > 2) {
+    const double share = CurveSpeed(stroke, cell.motion) / stroke.speed_mps;
+    if (share < limits.min_curve_speed_share)
+      reasons.push_back(fmt::format("curve bends so abruptly that it must slow to {:.3f} of its speed; needs {:.3f}",
+                                    share, limits.min_curve_speed_share));
   }
   const double fastest = limits.tcp_speed_mps * limits.share_of_speed;
   if (stroke.speed_mps > fastest)

@@ -4,14 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "robot_model/curve_speed.h"
+
 namespace sandwright {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 // Spacing of a curve's poses. Far below one controller period of travel (0.8 mm), so that the corners
 // between them do not show as jerk.
-constexpr double kFineStep_m = 0.1e-3, kFineTurn_rad = 0.005;
-constexpr double kCoarseStep_m = 1.5e-3, kCoarseTurn_rad = 0.05;
+constexpr double kFineStep_m = 0.05e-3, kFineTurn_rad = 0.0025;
+constexpr double kCoarseStep_m = 5e-3, kCoarseTurn_rad = 0.1;
 
 double Distance(const BladePose& a, const BladePose& b) {
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m, a.z_m - b.z_m);
@@ -44,39 +46,16 @@ void AppendPolyline(const Stroke& stroke, const MotionSettings& settings, std::v
   }
 }
 
-// The parameter of a curve: metres and, in quadrature, the metres that its turning counts for. Smooth
-// where the curve changes its sense of turning, unlike a sum.
-std::vector<double> CurveParameter(const ToolPath& poses, double metres_per_rad) {
+PathPiece CurvePiece(const Stroke& stroke, const MotionSettings& settings, CurveSampling sampling) {
+  const double metres_per_rad = MetresPerRadian(stroke, settings);
+  ToolPath poses = sampling == CurveSampling::kFine ? SamplePath(stroke, kFineStep_m, kFineTurn_rad)
+                                                    : SamplePath(stroke, kCoarseStep_m, kCoarseTurn_rad);
   std::vector<double> sigma = {0};
   for (size_t i = 1; i < poses.size(); ++i)
     sigma.push_back(sigma.back() + std::hypot(Distance(poses[i - 1], poses[i]),
                                               metres_per_rad * (poses[i].yaw_rad - poses[i - 1].yaw_rad)));
-  return sigma;
-}
-
-// Rate of the parameter at which the blade's turning accelerates no faster than the settings allow:
-// the yaw's second derivative grows with the square of the rate.
-double CurveSpeed(const ToolPath& poses, const std::vector<double>& sigma, double speed_mps,
-                  const MotionSettings& settings) {
-  double sharpest = 0, rate_before = 0;
-  for (size_t i = 1; i < poses.size(); ++i) {
-    const double step = sigma[i] - sigma[i - 1];
-    const double rate = (poses[i].yaw_rad - poses[i - 1].yaw_rad) / step;
-    if (i > 1) sharpest = std::max(sharpest, std::abs(rate - rate_before) / (0.5 * (sigma[i] - sigma[i - 2])));
-    rate_before = rate;
-  }
-  return std::min(speed_mps, std::sqrt(settings.turn_acceleration_radps2 / std::max(sharpest, 1e-9)));
-}
-
-PathPiece CurvePiece(const Stroke& stroke, const MotionSettings& settings, CurveSampling sampling) {
-  // Keeps speed and ramps of the turning within the settings.
-  const double metres_per_rad = std::max(stroke.speed_mps / settings.turn_speed_radps,
-                                         settings.path_acceleration_mps2 / settings.turn_acceleration_radps2);
-  ToolPath poses = sampling == CurveSampling::kFine ? SamplePath(stroke, kFineStep_m, kFineTurn_rad)
-                                                    : SamplePath(stroke, kCoarseStep_m, kCoarseTurn_rad);
-  std::vector<double> sigma = CurveParameter(poses, metres_per_rad);
-  const double speed = CurveSpeed(poses, sigma, stroke.speed_mps, settings);
-  const RestToRest timing(sigma.back(), speed, settings.path_acceleration_mps2, settings.smoothing_s);
+  const RestToRest timing(sigma.back(), CurveSpeed(stroke, settings), settings.path_acceleration_mps2,
+                          settings.smoothing_s);
   return {PathPiece::Kind::kCurve, std::move(poses), std::move(sigma), timing};
 }
 
@@ -154,6 +133,7 @@ std::optional<StrokeMotion> MakeStrokeMotion(const std::vector<PathPiece>& piece
                                              bool flipped, const JointAngles& near) {
   StrokeMotion motion;
   motion.branch = branch;
+  motion.flipped = flipped;
   JointAngles q = near;
   const auto add = [&](const BladePose& pose) {
     const auto next = kinematics.Solve(pose, branch, flipped, q);
@@ -189,7 +169,7 @@ std::vector<JointAngles> TransferKnots(const JointAngles& from, const JointAngle
 }
 
 double PathError(const StrokeMotion& motion, const BladeKinematics& kinematics, const Stroke& stroke) {
-  const ToolPath path = SamplePath(stroke, kFineStep_m * 5, kFineTurn_rad * 2);
+  const ToolPath path = SamplePath(stroke, kFineStep_m * 10, kFineTurn_rad * 4);
   double worst = 0;
   size_t at = 0;
   for (size_t i = motion.path_begin; i + 1 < motion.path_end; ++i) {

@@ -22,6 +22,7 @@ struct StrokeMotion {
   // First knot of the path and one behind its last: before it the blade goes down, behind it up.
   size_t path_begin = 0, path_end = 0;
   Branch branch = 0;
+  bool flipped = false;
 
   double duration_s() const {
     return knots.empty() ? 0 : static_cast<double>(knots.size() - 1) * kPeriod_s;

@@ -66,6 +66,7 @@ void MotionLimits::Fields(FieldList& f) {
   f.Add("max_cut_m", max_cut_m, "sand above the blade's edge [m]", 0, 0.5);
   f.Add("max_extent_m", max_extent_m, "of the control points along each axis [m]", 0.01, 2);
   f.Add("min_bend_radius_m", min_bend_radius_m, "of a curved stroke's path in the plane [m]", 0.0005, 1);
+  f.Add("min_curve_speed_share", min_curve_speed_share, "share of its speed to which abrupt bends may slow a curve", 0, 1);
   f.Add("max_duration_s", max_duration_s, "of one stroke [s]", 0.1, 3600);
 }
 

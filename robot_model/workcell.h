@@ -82,6 +82,7 @@ struct MotionLimits {
   double max_cut_m = 0.100;           // sand above the blade's edge
   double max_extent_m = 0.255;        // of the control points along x, y and z
   double min_bend_radius_m = 0.005;   // of a curve; sharper ones are corners for a polyline
+  double min_curve_speed_share = 0.2; // to which abrupt bends may slow a curve
   double max_duration_s = 60;         // of one stroke
 
   void Fields(FieldList& f);
