@@ -202,17 +202,22 @@ std::span<const size_t> BladeCut::Advance(const BladePose& from, const BladePose
 
 std::vector<CellFace> BladeCut::ClosedFaces(const BladePose& pose) const {
   const Placed at = Place(pose);
-  const double front = half_thickness_ + kTie * cell_, reach = half_width_ + kTie * cell_;
+  // Cells that the front is passing are shut on both sides: what it has yet to cut must not run
+  // back behind it.
+  const double front = half_thickness_ + kTie * cell_, passed = front - cell_ / 2;
+  const double reach = half_width_ + kTie * cell_;
   std::vector<CellFace> closed;
-  ForEachCell(at, front - 1.5 * cell_, front + 1.5 * cell_, half_width_ + 1.5 * cell_,
+  ForEachCell(at, passed - 1.5 * cell_, front + 1.5 * cell_, half_width_ + 1.5 * cell_,
               [&](int row, int column, size_t cell, double u, double s) {
     const auto test = [&](bool along_x) {
       const int next_row = row + !along_x, next_column = column + along_x;
       if (next_row >= map_.rows || next_column >= map_.columns) return;
       const double next_u = u + (along_x ? at.c : at.s) * cell_;
       const double next_s = s + (along_x ? -at.s : at.c) * cell_;
-      if ((u > front) == (next_u > front)) return;
-      const double crossing = s + (next_s - s) * (front - u) / (next_u - u);
+      const auto parts = [&](double line) { return (u > line) != (next_u > line); };
+      if (!parts(front) && !parts(passed)) return;
+      const double line = parts(front) ? front : passed;
+      const double crossing = s + (next_s - s) * (line - u) / (next_u - u);
       if (std::abs(crossing) > reach) return;
       if (std::max(map_.height_m[cell], map_.At(next_row, next_column)) <= at.pose.z_m) return;
       closed.push_back({row, column, along_x});

@@ -13,9 +13,9 @@ namespace sandwright {
 
 // How sand fails at a blade. The defaults are fitted to strokes through 6 mm grains (docs/sand.md).
 struct CutLaw {
-  double rupture_ratio = 1.9;  // kappa; the theory gives 1.84 for a smooth vertical blade at 33 degrees
+  double rupture_ratio = 2.0;  // kappa; theory: 1.8 to 3.5 at 33 degrees, smooth to rough blade
   double spread = 0.5;
-  double bite_m = 0.018;
+  double bite_m = 0.017;
 
   void Fields(FieldList& f) {
     f.Add("rupture_ratio", rupture_ratio,

@@ -119,6 +119,36 @@ TEST(Heightfield, PlungeAndLiftInPlace) {
   }
 }
 
+// Between walls there is no way around the blade: the floor behind it lies exactly at its edge, and
+// nothing leaks back through it.
+TEST(Heightfield, ABladeAsWideAsTheBoxLeavesAFloorAtItsEdge) {
+  HeightfieldConfig config;
+  config.blade.width_m = 0.2;
+  config.cut.bite_m = 0;
+  for (const double cell : {0.01, 0.005, 0.0025}) {
+    const int rows = static_cast<int>(std::lround(0.2 / cell));
+    const HeightMap after =
+        RunStroke(Bed(rows, 2 * rows, cell), Line(0.08, 0.1, 0.3, 0.1, 0.035, 0.035), config).map;
+    for (double x = 0.11; x < 0.22; x += cell) {
+      for (double y = cell / 2; y < 0.2; y += cell) EXPECT_NEAR(HeightAt(after, x, y), 0.035, 1e-5) << cell << " " << x;
+    }
+  }
+}
+
+// A clean cut of depth d, width w slumps to a trench with a floor of w - d / t and a top of w + d / t.
+TEST(Heightfield, ACleanCutSlumpsToItsTrench) {
+  HeightfieldConfig config;
+  config.cut = {4, 0, 0};
+  config.relaxation_m = 0;  // no side-cast while the blade moves
+  const HeightMap after =
+      RunStroke(Bed(160, 240, 0.0025), Line(0.1, 0.2, 0.4, 0.2, 0.04, 0.04), config).map;
+  const double t = std::tan(33 * pi / 180), depth = 0.01;
+  for (double y = -0.05; y <= 0.05; y += 0.0025) {
+    const double expected = 0.04 + std::clamp(depth / 2 + (std::abs(y) - 0.025) * t, 0.0, depth);
+    EXPECT_NEAR(HeightAt(after, 0.25, 0.2 + y), expected, 0.0008) << y;
+  }
+}
+
 TEST(Heightfield, MirroredAndTransposedStrokesGiveMirroredSand) {
   const HeightMap map = Hills(56, 64);
   const double width = map.width_m();
