@@ -120,6 +120,16 @@ TEST(TaskTest, RoundTripAndGoalError) {
   EXPECT_EQ(back[0].max_strokes, 7);
 }
 
+TEST(TaskTest, DatumIsKeptAndMustBeOne) {
+  Task task{Plane(4, 4, 0.01), Plane(4, 4, 0.01), 7};
+  task.goal.mask.assign(16, 1);
+  task.terrain.datum = Datum::kRelative;
+  EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("one of terrain and goal has datum floor"));
+  task.goal.datum = Datum::kRelative;
+  WriteTasks({task}, Temp("relative.h5"));
+  EXPECT_EQ(ReadTasks(Temp("relative.h5"))[0].terrain.datum, Datum::kRelative);
+}
+
 TEST(TaskTest, BadTasksAreNamed) {
   Task task{Plane(4, 4, 0.01), Plane(4, 4, 0.01), 7};
   task.goal.mask.assign(16, 0);
