@@ -42,7 +42,7 @@ class Pictures {
       low_m_ = std::min<double>(low_m_, report.goal.height_m[i]);
       high_m_ = std::max<double>(high_m_, report.goal.height_m[i]);
     }
-    scale_ = std::max(1, 300 / std::max(rect_.rows(), rect_.columns()));
+    scale_ = std::max(1, 480 / std::max(rect_.rows(), rect_.columns()));
   }
 
   std::string Heights(const HeightMap& map) const {
@@ -160,13 +160,16 @@ std::string RenderDemoReport(const DemoReport& report) {
 
   page.Heading("From frame to terrain");
   page.Paragraph(report.scan_summary);
-  const auto [low, high] = std::ranges::minmax_element(report.terrain.height_m);
+  std::vector<float> heights = report.terrain.height_m;
+  std::ranges::sort(heights);
+  const float low = heights[heights.size() / 100], high = heights[heights.size() - 1 - heights.size() / 100];
   const int scale = std::max(1, 480 / report.terrain.columns);
   page.Figures({{DataImage(EncodePng(report.frame), 512), "Depth frame: near is bright, no reading is black."},
-                {DataImage(EncodePng(DrawHeights(report.terrain, *low, *high, scale)), 480),
-                 fmt::format("Height map of the sand: {:.0f} x {:.0f} mm, cells of {:.0f} mm, heights {} to {}.",
+                {DataImage(EncodePng(DrawHeights(report.terrain, low, high, scale)), 480),
+                 fmt::format("Height map of the sand: {:.0f} x {:.0f} mm, cells of {:.0f} mm; 98 % of the heights lie "
+                             "between {} and {}.",
                              1e3 * report.terrain.width_m(), 1e3 * report.terrain.depth_m(),
-                             1e3 * report.terrain.cell_size_m, Mm(*low), Mm(*high))}});
+                             1e3 * report.terrain.cell_size_m, Mm(low), Mm(high))}});
 
   page.Heading("Goal and result");
   const HeightMap& end = report.runs.front().run.strokes.empty() ? report.terrain

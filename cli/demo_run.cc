@@ -176,6 +176,7 @@ DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t se
 
   std::vector<ExecutedStroke> executed;
   for (const std::string& name : {config.agent, std::string("greedy"), std::string("random")}) {
+    if (!report.runs.empty() && name == config.agent) continue;  // a rival is not shown beside itself
     const auto agent = LoadAgent(name, {.model = *model, .greedy = {}, .speed_mps = config.speed_mps});
     const bool first = report.runs.empty();
     report.runs.push_back(RunAgent(*agent, *model, gate, job, world, config, seed, first ? &executed : nullptr));

@@ -16,9 +16,9 @@ h1 { font-size: 32px; line-height: 1.2; margin: 0 0 8px; }
 h2 { font-size: 21px; margin: 44px 0 8px; padding-top: 20px; border-top: 1px solid var(--line); }
 p { max-width: 72ch; margin: 8px 0; }
 .figures { display: flex; flex-wrap: wrap; gap: 20px; margin: 16px 0; align-items: flex-start; }
-figure { margin: 0; max-width: 100%; }
+figure { margin: 0; max-width: 100%; display: table; }
 figure img { display: block; max-width: 100%; height: auto; border-radius: 4px; image-rendering: pixelated; }
-figcaption { color: var(--soft); font-size: 13.5px; margin-top: 6px; max-width: 640px; }
+figcaption { color: var(--soft); font-size: 13.5px; padding-top: 6px; display: table-caption; caption-side: bottom; }
 .tiles { display: flex; flex-wrap: wrap; gap: 14px; margin: 20px 0; }
 .tile { background: #fff; border: 1px solid var(--line); border-radius: 8px; padding: 12px 18px; }
 .tile b { display: block; font-size: 24px; } .tile span { color: var(--soft); font-size: 13.5px; }
