@@ -21,6 +21,7 @@ struct Entry {
 };
 
 constexpr Entry kCommands[] = {
+    {"scan", "depth frames or a height array -> height map in the box frame, or a refusal", MakeScanCommand},
     {"collect", "collects strokes: random ones, one after another, before and after kept", MakeCollectCommand},
     {"fit", "trains a surrogate on stroke files", MakeFitCommand},
     {"score", "accuracy of a sand model on stroke files", MakeScoreCommand},
@@ -29,6 +30,8 @@ constexpr Entry kCommands[] = {
     {"eval", "an agent on tasks", MakeEvalCommand},
     {"tasks", "makes task files", MakeTasksCommand},
     {"plan", "terrain + goal -> gated strokes", MakePlanCommand},
+    {"check", "the safety gate alone, on a plan", MakeCheckCommand},
+    {"export", "plan -> URScript, through the gate", MakeExportCommand},
     {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at", MakeDemoCommand},
 };
 

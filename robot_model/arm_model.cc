@@ -11,7 +11,7 @@ namespace sandwright {
 namespace {
 
 constexpr double kSteel[] = {0.55, 0.57, 0.60}, kWood[] = {0.62, 0.46, 0.30}, kDark[] = {0.16, 0.17, 0.19},
-                 kTable[] = {0.72, 0.74, 0.76}, kSand[] = {0.93, 0.80, 0.58};
+                 kTable[] = {0.72, 0.74, 0.76}, kSand[] = {0.88, 0.75, 0.53};
 
 struct DeleteSpec {
   void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
@@ -119,8 +119,8 @@ void AddLight(mjSpec* spec, mjsBody* world, const Workcell& cell) {
   std::ranges::copy(lamp, light->pos);
   std::ranges::copy((aim - lamp).normalized(), light->dir);
   light->type = mjLIGHT_DIRECTIONAL;
-  std::ranges::fill(light->ambient, 0.25f);
-  std::ranges::fill(light->diffuse, 0.75f);
+  std::ranges::fill(light->ambient, 0.20f);
+  std::ranges::fill(light->diffuse, 0.50f);
   std::ranges::fill(light->specular, 0.1f);
   mjsTexture* sky = mjs_addTexture(spec, nullptr);
   mjs_setName(sky->element, "sky");

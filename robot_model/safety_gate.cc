@@ -169,7 +169,11 @@ void SafetyGate::Impl::CheckBlade(const ToolPath& path, const HeightMap& terrain
     for (int k = -2; k <= 2; ++k) {
       const double across = 0.25 * k * blade.width_m;
       const double sand = HeightAt(terrain, p.x_m - across * std::sin(p.yaw_rad), p.y_m + across * std::cos(p.yaw_rad));
-      if (!(sand - p.z_m <= cut)) cut = sand - p.z_m, cut_at = p;  // catches NaN, too
+      if (!std::isfinite(sand)) {
+        reasons.push_back("terrain: a height under the blade is not finite, at " + Where(p));
+        return;
+      }
+      if (sand - p.z_m > cut) cut = sand - p.z_m, cut_at = p;
     }
   }
   if (radius < limits.min_bend_radius_m)
@@ -182,7 +186,7 @@ void SafetyGate::Impl::CheckBlade(const ToolPath& path, const HeightMap& terrain
     reasons.push_back(fmt::format("blade {:.1f} mm {} the box floor at {}; needs {:.1f} mm above",
                                   std::abs(lowest) * 1e3, lowest < 0 ? "below" : "above", Where(lowest_at),
                                   limits.floor_margin_m * 1e3));
-  if (!(cut <= limits.max_cut_m))
+  if (cut > limits.max_cut_m)
     reasons.push_back(fmt::format("blade {:.1f} mm deep in the sand at {}; limit {:.1f} mm", cut * 1e3,
                                   Where(cut_at), limits.max_cut_m * 1e3));
 }

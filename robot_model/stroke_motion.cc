@@ -169,7 +169,7 @@ std::vector<JointAngles> TransferKnots(const JointAngles& from, const JointAngle
 }
 
 double PathError(const StrokeMotion& motion, const BladeKinematics& kinematics, const Stroke& stroke) {
-  const ToolPath path = SamplePath(stroke, kFineStep_m * 10, kFineTurn_rad * 4);
+  const ToolPath path = SamplePath(stroke, 0.5e-3, kCoarseTurn_rad);
   double worst = 0;
   size_t at = 0;
   for (size_t i = motion.path_begin; i + 1 < motion.path_end; ++i) {

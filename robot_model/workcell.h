@@ -91,7 +91,7 @@ struct MotionLimits {
 // How strokes become motion.
 struct MotionSettings {
   double retreat_height_m = 0.220;  // blade edge above the box floor between strokes
-  double path_acceleration_mps2 = 0.5;
+  double path_acceleration_mps2 = 0.25;
   double turn_speed_radps = 1.0, turn_acceleration_radps2 = 2.0;  // of the blade about its axis
   double vertical_speed_mps = 0.1;                                // entry and exit
   double transfer_speed_radps = 0.8, transfer_acceleration_radps2 = 1.4;

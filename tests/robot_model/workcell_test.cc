@@ -1,0 +1,67 @@
+// The workcell file: round trip, identity, and what is refused.
+#include "robot_model/workcell.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "data/base/error.h"
+
+namespace sandwright {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::filesystem::path kRoot = SANDWRIGHT_ROOT;
+
+std::string LoadError(const std::string& yaml) {
+  std::ofstream("cell.yaml") << yaml;
+  try {
+    LoadWorkcell("cell.yaml");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Workcell, ShippedFilesLoadAndNameEveryKey) {
+  for (const char* file : {"configs/workcell.yaml", "configs/workcell_small.yaml"}) {
+    Workcell cell = LoadWorkcell(kRoot / file);
+    std::ofstream("again.yaml") << ToYaml(FieldsOf(cell));
+    EXPECT_EQ(WorkcellHash(LoadWorkcell("again.yaml")), WorkcellHash(cell)) << file;
+    EXPECT_EQ(CalibrationHash(cell), CalibrationHash(Workcell{}));
+  }
+  EXPECT_DOUBLE_EQ(LoadWorkcell(kRoot / "configs/workcell_small.yaml").box.width_m, 0.3);
+}
+
+TEST(Workcell, HashesFollowTheirContent) {
+  Workcell cell, other;
+  EXPECT_EQ(WorkcellHash(cell).size(), 64u);
+  other.tool.blade.width_m += 1e-9;
+  EXPECT_NE(WorkcellHash(cell), WorkcellHash(other));
+  EXPECT_NE(BladeHash(cell), BladeHash(other));
+  EXPECT_EQ(CalibrationHash(cell), CalibrationHash(other));
+  other.kinematics.d_m[5] += 1e-6;
+  EXPECT_NE(CalibrationHash(cell), CalibrationHash(other));
+}
+
+TEST(Workcell, BadFilesNameTheKey) {
+  EXPECT_THAT(LoadError("X_WB: {translation_m: [0, 0]}"), HasSubstr("X_WB.translation_m has 2 numbers; 3"));
+  EXPECT_THAT(LoadError("home_joints_rad: [0, 0, 0]"), HasSubstr("home_joints_rad has 3 numbers; 6"));
+  EXPECT_THAT(LoadError("home_joints_rad: [0, 0, 3.2, 0, 0, 0]"), HasSubstr("home_joints_rad: joint 3"));
+  EXPECT_THAT(LoadError("box: {widht_m: 1}"), HasSubstr("did you mean 'box.width_m'?"));
+  EXPECT_THAT(LoadError("limits: {joint_acceleration_radps2: 9}"), HasSubstr("allowed: 0.1..5.236"));
+  EXPECT_THAT(LoadError("motion: {retreat_height_m: 0.1}"), HasSubstr("motion.retreat_height_m = 0.1"));
+  EXPECT_THAT(LoadError("tool: {blade_height_m: 0.1}"), HasSubstr("tool.blade_height_m = 0.1"));
+}
+
+TEST(Workcell, PoseSettingIsTheRotationVectorOfThePendant) {
+  const PoseSetting pose{{1, 2, 3}, {0, 0, std::numbers::pi / 2}};
+  const Eigen::Vector3d p = pose.ToIsometry() * Eigen::Vector3d(1, 0, 0);
+  EXPECT_TRUE(p.isApprox(Eigen::Vector3d(1, 3, 3), 1e-12)) << p.transpose();
+  EXPECT_TRUE(PoseSetting{}.ToIsometry().isApprox(Eigen::Isometry3d::Identity()));
+}
+
+}  // namespace
+}  // namespace sandwright
