@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "data/task.h"
+#include "robot_model/safety_gate.h"
 
 namespace sandwright {
 namespace {
@@ -69,9 +71,17 @@ GreedyAgent::Choice GreedyAgent::BestOf(const TaskView& view, std::span<const Ac
     strokes.push_back(DecodeAction(action, view.sensed, view.region, model_.blade(), speed_mps_));
   model_.Apply(states, strokes);
   model_evaluations_ += static_cast<int64_t>(candidates.size());
-  for (size_t i = 0; i < candidates.size(); ++i) {
-    const double error_m = GoalError(states[i].map(), view.goal);
-    if (error_m < best.error_m) best = {candidates[i], error_m};
+  std::vector<double> error_m;
+  for (const SandState& state : states) error_m.push_back(GoalError(state.map(), view.goal));
+  std::vector<size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::ranges::stable_sort(order, {}, [&](size_t i) { return error_m[i]; });
+  for (size_t i : order) {  // best first, so that few meet the gate
+    if (best.accepted && error_m[i] >= best.error_m) break;
+    const bool accepted =
+        !gate_ || gate_->Check(strokes[i], view.sensed, GateSampling::kCoarse).accepted;
+    const bool better = accepted == best.accepted ? error_m[i] < best.error_m : accepted;
+    if (better) best = {candidates[i], error_m[i], accepted};
   }
   return best;
 }
@@ -89,7 +99,7 @@ std::vector<Action> GreedyAgent::Act(std::span<const TaskView> views, std::span<
       if (surplus.back() > 0 && stream.Uniform() < config_.surplus_share)
         StartAtSurplus(views[v], surplus, stream, candidates.back());
     }
-    Choice best = BestOf(views[v], candidates, {{}, std::numeric_limits<double>::infinity()});
+    Choice best = BestOf(views[v], candidates, {.error_m = std::numeric_limits<double>::infinity()});
     candidates.clear();
     for (size_t k = 0; k < refined; ++k) candidates.push_back(Near(best.action, stream));
     actions.push_back(BestOf(views[v], candidates, best).action);

@@ -7,6 +7,8 @@
 
 namespace sandwright {
 
+class SafetyGate;
+
 struct GreedyConfig {
   int64_t candidates = 150;
   double refine_share = 0.4;
@@ -22,9 +24,11 @@ struct GreedyConfig {
 
 class GreedyAgent final : public Agent {
  public:
-  // `model` must outlive it.
-  GreedyAgent(const SandModel& model, const GreedyConfig& config, double speed_mps)
-      : model_(model), config_(config), speed_mps_(speed_mps) {}
+  // `model` and `gate` must outlive it. With a gate, the best candidate that it accepts (coarse
+  // sampling) is chosen, where there is one.
+  GreedyAgent(const SandModel& model, const GreedyConfig& config, double speed_mps,
+              const SafetyGate* gate = nullptr)
+      : model_(model), config_(config), speed_mps_(speed_mps), gate_(gate) {}
 
   std::string name() const override { return "greedy"; }
   // The candidate with the least goal error by the model; all of a view's candidates are one batch.
@@ -34,14 +38,16 @@ class GreedyAgent final : public Agent {
  private:
   struct Choice {
     Action action{};
-    double error_m = 0;
+    double error_m = 0;  // predicted
+    bool accepted = false;
   };
-  // The best of `candidates` and `best`.
+  // The best of `candidates` and `best`; an accepted one before any other.
   Choice BestOf(const TaskView& view, std::span<const Action> candidates, Choice best);
 
   const SandModel& model_;
   GreedyConfig config_;
   double speed_mps_;
+  const SafetyGate* gate_;
   int64_t model_evaluations_ = 0;
 };
 

@@ -12,7 +12,7 @@ namespace sandwright {
 std::unique_ptr<Agent> LoadAgent(const std::string& name_or_file, const AgentOptions& options) {
   if (name_or_file == "random") return std::make_unique<RandomAgent>();
   if (name_or_file == "greedy")
-    return std::make_unique<GreedyAgent>(options.model, options.greedy, options.speed_mps);
+    return std::make_unique<GreedyAgent>(options.model, options.greedy, options.speed_mps, options.gate);
   std::filesystem::path file = name_or_file;
   if (name_or_file == "default") file = ShippedFile("models/default_policy.safetensors");
   if (file.extension() != ".safetensors")

@@ -14,7 +14,8 @@ struct AgentOptions {
   const SandModel& model;  // that planners plan with
   GreedyConfig greedy;
   double speed_mps = 0.1;      // of the strokes that planners imagine
-  std::string device = "auto"; // of a policy's network
+  std::string device = "auto";  // of a policy's network
+  const SafetyGate* gate = nullptr;  // whose refusals planners avoid; must outlive the agent
 };
 
 // `random`, `greedy`, `default` (the shipped policy) or a policy's .safetensors file. Throws Error

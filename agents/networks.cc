@@ -86,10 +86,10 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
     const auto y = torch::linspace(-1, 1, spec.rows).unsqueeze(1).expand({spec.rows, spec.columns});
     coordinates_ = register_buffer("coordinates", torch::stack({x, y}).unsqueeze(0).clone());
     const auto channels = static_cast<int64_t>(spec.channels.size());
-    fine_ = register_module("fine", Convolution(channels + 2, width, 5, 2));
+    fine_ = register_module("fine", Convolution(channels + 2, width, 3, 2));
     middle_ = register_module("middle", Convolution(width, 2 * width, 3, 2));
     coarse_ = register_module("coarse", Convolution(2 * width, 2 * width, 3, 2));
-    fine_mix_ = register_module("fine_mix", Convolution(width, 2 * width, 3, 1));
+    fine_mix_ = register_module("fine_mix", Convolution(width, 2 * width, 1, 1));
     middle_mix_ = register_module("middle_mix", Convolution(2 * width, 2 * width, 1, 1));
     coarse_mix_ = register_module("coarse_mix", Convolution(2 * width, 2 * width, 1, 1));
     whole_mix_ = register_module("whole_mix", nn::Linear(hidden, 2 * width));

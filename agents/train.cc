@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "agents/evaluate.h"
+#include "agents/load_gate.h"
 #include "agents/policy_agent.h"
 #include "agents/run_log.h"
 #include "data/base/atomic_file.h"
@@ -63,7 +64,8 @@ class Run {
         run_(run),
         device_(SelectDevice(config.device)),
         sand_(LoadSandModel(config.model, config.heightfield)),
-        world_{*sand_, nullptr, run.threads},
+        gate_(LoadGate(config.workcell)),
+        world_{*sand_, gate_.get(), run.threads},
         env_(config.env, world_, TrainingTasks(config)),
         initial_(run.seed, StreamId("initial weights")),
         network_(env_.observation_spec(), env_.action_size(), config.network, initial_),
@@ -172,6 +174,7 @@ class Run {
   TrainRun run_;
   torch::Device device_;
   std::unique_ptr<const SandModel> sand_;
+  std::unique_ptr<const SafetyGate> gate_;
   World world_;
   ShapingEnv env_;
   RandomStream initial_;

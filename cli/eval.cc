@@ -3,6 +3,7 @@
 
 #include "agents/evaluate.h"
 #include "agents/load_agent.h"
+#include "agents/load_gate.h"
 #include "cli/command.h"
 #include "data/base/progress.h"
 #include "env/load_sand_model.h"
@@ -27,6 +28,7 @@ class EvalCommand final : public Command {
     f.Section("episode", episode_);
     f.Section("greedy", greedy_);
     f.Section("heightfield", heightfield_);
+    f.Add("workcell", workcell_, "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
     f.Add("device", device_, "where a policy computes", {"auto", "cpu", "cuda"});
   }
 
@@ -34,14 +36,15 @@ class EvalCommand final : public Command {
     heightfield_.threads = threads();
     const auto model = LoadSandModel(model_, heightfield_);
     const auto world = world_.empty() ? nullptr : LoadSandModel(world_, heightfield_);
-    const auto agent = LoadAgent(agent_, {*model, greedy_, episode_.speed_mps, device_});
+    const auto gate = LoadGate(workcell_);
+    const auto agent = LoadAgent(agent_, {*model, greedy_, episode_.speed_mps, device_, gate.get()});
     const std::vector<Task> tasks = Tasks();
     int64_t budget = 0;
     for (const Task& task : tasks) budget += task.max_strokes;
     Evaluation result;
     {
       Progress progress("eval " + agent->name(), budget, "strokes");
-      result = Evaluate(*agent, {world ? *world : *model, nullptr, threads()},
+      result = Evaluate(*agent, {world ? *world : *model, gate.get(), threads()},
                         EpisodeConfigFor(*agent, episode_), tasks, seed(),
                         [&](int64_t strokes) { progress.Update(strokes); });
     }
@@ -72,7 +75,7 @@ class EvalCommand final : public Command {
     return tasks;
   }
 
-  std::string agent_, model_ = "heightfield", world_, tasks_file_, pictures_, device_ = "auto";
+  std::string agent_, model_ = "heightfield", world_, tasks_file_, pictures_, device_ = "auto", workcell_;
   int episodes_ = 0;
   TaskConfig task_;
   EpisodeConfig episode_;
