@@ -10,7 +10,7 @@
 namespace sandwright {
 
 struct SimulatedRigConfig {
-  double camera_height_m = 1.35;  // straight above the middle of the box
+  double camera_height_m = 1.20;  // straight above the middle of the box
   int64_t frames = 4;             // fused for a scan
   CameraModel camera;
   SimulatedArmConfig arm;
