@@ -156,6 +156,16 @@ std::optional<Line> InnermostWall(const std::vector<Stretch>& stretches, double 
   return std::nullopt;
 }
 
+// How far inside of `wall` another straight edge runs that is nearly steep enough to be the wall; 0:
+// none. It may be a bank of sand, or the wall's foot blurred by light between sand and wall.
+double RivalInside(const std::vector<Stretch>& stretches, double centre, double wall_slope, const Line& wall) {
+  const int last = static_cast<int>((wall.offset + wall.slope * centre - 1.5 * kStep_m) / kBin_m);
+  for (int bin = 0; bin < last; ++bin)
+    if (LineSteepness(stretches, centre, wall.slope, bin) > 0.8 * wall_slope)
+      return wall.offset + wall.slope * centre - bin * kBin_m;
+  return 0;
+}
+
 // Where each scan line of a stretch meets the wall that is expected at `wall`: the median; empty where
 // the stretch shows nothing steep there.
 std::optional<double> FootNear(const Stretch& stretch, double wall, double wall_slope) {
@@ -238,6 +248,7 @@ BoxSide ReadSide(const LevelImage& image, const SideGuess& guess, double wall_sl
   side.position_m = guess.position_m;
   const auto wall = InnermostWall(stretches, centre, wall_slope);
   if (!wall) return side;
+  side.rival_m = RivalInside(stretches, centre, wall_slope, *wall);
   std::vector<Vector2d> feet;
   std::vector<double> rises;
   for (const Stretch& stretch : stretches) {

@@ -25,6 +25,7 @@ struct BoxSide {
   double rise_m = 0;      // median height of the wall's highest reading above the sand beside it
   double position_m = 0;  // of the side's middle, along `outward`
   double lean_rad = 0;    // turn of the side's line: position grows along `along`
+  double rival_m = 0;     // how far inside a second edge runs, nearly as steep; 0 = none
   std::vector<Eigen::Vector3f> rim_C;  // the wall's highest readings, one a stretch
 };
 

@@ -83,6 +83,13 @@ double NoiseOf(const std::vector<double>& second_differences) {
   return deviation / std::sqrt(1.5);
 }
 
+// Where the box is.
+struct Place {
+  Eigen::Isometry3d X_BC;
+  Eigen::Vector2d size_m;
+  double sand_B = 0;  // height of the sand; without a pose B's zero is there until the datum is set
+};
+
 // Readings of the frame that lie in the box, in B.
 struct Inside {
   std::vector<Vector3f> points_B;
@@ -90,8 +97,9 @@ struct Inside {
   double noise_m = 0;
 };
 
-Inside ReadingsInside(const DepthFrame& frame, const DepthFrame& median, const CameraModel& camera, const Eigen::Isometry3d& X_BC,
-                      const Eigen::Vector2d& size_m, double sand_B, double pixel_m) {
+Inside ReadingsInside(const DepthFrame& frame, const DepthFrame& median, const CameraModel& camera,
+                      const Place& place, double pixel_m, double corner_margin_m) {
+  const auto& [X_BC, size_m, sand_B] = place;
   const PointCloud cloud = ToPoints(WithoutFlyingPixels(frame, median, 0.03), camera);
   const std::vector<PixelRay> rays = PixelRays(camera);
   const Vector3d eye = X_BC.translation();
@@ -116,6 +124,8 @@ Inside ReadingsInside(const DepthFrame& frame, const DepthFrame& median, const C
     // High things beside the box lie over it in plan only because the camera sees them from its middle.
     const double slack = std::abs(p.z() - sand_B) < kSandSlack_m ? kSandSlack_m : 0;
     if (!within(p.x(), p.y(), margin) || !within(at.x(), at.y(), -slack)) continue;
+    const double to_x = std::min<double>(p.x(), size_m.x() - p.x()), to_y = std::min<double>(p.y(), size_m.y() - p.y());
+    if (std::hypot(to_x, to_y) < corner_margin_m) continue;
     inside.points_B.push_back(p);
     if (i > 0 && i + 1 < rays.size() && within(at.x(), at.y(), 0.03)) {
       const float before = frame.depth_m[i - 1], after = frame.depth_m[i + 1];
@@ -207,65 +217,71 @@ void CheckPlace(const ScanPlace& place) {
     throw Error("both the camera's pose and the sand's depth are given: each sets the zero; give one");
 }
 
-}  // namespace
-
-ScanResult ScanDepth(std::span<const DepthFrame> frames, const CameraModel& camera, const ScanConfig& config,
-                     const ScanPlace& place) {
-  const auto start = std::chrono::steady_clock::now();
-  CheckPlace(place);
-  const DepthFrame frame = FuseFrames(frames);
-  const DepthFrame median = MedianFiltered(frame);
-  const PointCloud cloud = ToPoints(median, camera);
-  std::optional<Vector3d> known_up_C;
-  if (place.X_BC) known_up_C = place.X_BC->linear().transpose().col(2);
-  const BoxSearch search =
-      FindBox(cloud, camera, known_up_C, config.box, place.X_BC ? std::nullopt : place.box_size_m);
-
-  ScanResult result;
-  Eigen::Isometry3d X_BC;
-  Eigen::Vector2d size_m;
-  double sand_B = 0;  // B's zero is at the sand until the datum is set
-  if (place.X_BC) {
-    X_BC = *place.X_BC;
-    size_m = *place.box_size_m;
-    UsePose(search, config, place, result);
-    if (search.box) sand_B = (X_BC * search.box->X_CB.translation()).z();
-  } else {
-    result.reasons = search.reasons;
-    if (!search.box) {
-      result.seconds = SecondsSince(start);
-      return result;
-    }
-    const Vector3d up_C = Vertical(cloud, *search.box, config.level, result.reasons);
-    result.tilt_removed_deg = std::acos(std::clamp(-up_C.z(), -1.0, 1.0)) / kDegree;
-    CheckTilt(config, result);
-    X_BC = PoseInBox(*search.box, up_C);
-    size_m = {search.box->width_m, search.box->depth_m};
+// By the given pose, or by what is seen; empty where no box is in view.
+std::optional<Place> Locate(const PointCloud& cloud, const CameraModel& camera, const ScanConfig& config,
+                            const ScanPlace& given, ScanResult& result) {
+  if (given.X_BC) {
+    const Vector3d up_C = given.X_BC->linear().transpose().col(2);
+    const BoxSearch search = FindBox(cloud, camera, up_C, config.box);
+    UsePose(search, config, given, result);
+    const double sand_B = search.box ? (*given.X_BC * search.box->X_CB.translation()).z() : 0;
+    return Place{*given.X_BC, *given.box_size_m, sand_B};
   }
-  const double pixel_m = (X_BC.translation().z() - sand_B) / camera.fx_px;
-  const int columns = static_cast<int>(std::lround(size_m.x() / config.cell_size_m));
-  const int rows = static_cast<int>(std::lround(size_m.y() / config.cell_size_m));
+  const BoxSearch search = FindBox(cloud, camera, std::nullopt, config.box, given.box_size_m);
+  result.reasons = search.reasons;
+  if (!search.box) return std::nullopt;
+  for (const BoxSide& side : search.box->sides)
+    if (side.rival_m > 0)
+      result.warnings.push_back(fmt::format("a wall is not clear: a second straight edge runs {:.0f} mm inside of "
+                                            "it; state the box's size to be sure",
+                                            1000 * side.rival_m));
+  const Vector3d up_C = Vertical(cloud, *search.box, config.level, result.reasons);
+  result.tilt_removed_deg = std::acos(std::clamp(-up_C.z(), -1.0, 1.0)) / kDegree;
+  CheckTilt(config, result);
+  return Place{PoseInBox(*search.box, up_C), {search.box->width_m, search.box->depth_m}, 0};
+}
+
+// The readings in the box on whole cells; the map is centred on the box, which it misses by half a
+// cell at most.
+void FillMap(const DepthFrame& frame, const DepthFrame& median, const CameraModel& camera, const ScanConfig& config,
+             const Place& place, ScanResult& result) {
+  const double cell_m = config.cell_size_m;
+  const int columns = static_cast<int>(std::lround(place.size_m.x() / cell_m));
+  const int rows = static_cast<int>(std::lround(place.size_m.y() / cell_m));
   if (rows < 2 || columns < 2)
     throw Error(fmt::format("cell_size_m = {} leaves {} x {} cells in a box of {:.3f} x {:.3f} m; at least "
                             "2 x 2 are needed",
-                            config.cell_size_m, columns, rows, size_m.x(), size_m.y()));
-  // The map has whole cells: it is centred on the box, which it misses by half a cell at most.
-  const Vector3f to_map(static_cast<float>(0.5 * (columns * config.cell_size_m - size_m.x())),
-                        static_cast<float>(0.5 * (rows * config.cell_size_m - size_m.y())), 0);
-  Inside inside = ReadingsInside(frame, median, camera, X_BC, size_m, sand_B, pixel_m);
+                            cell_m, columns, rows, place.size_m.x(), place.size_m.y()));
+  const double pixel_m = (place.X_BC.translation().z() - place.sand_B) / camera.fx_px;
+  Inside inside = ReadingsInside(frame, median, camera, place, pixel_m, config.corner_margin_m);
+  const Vector3f to_map(static_cast<float>(0.5 * (columns * cell_m - place.size_m.x())),
+                        static_cast<float>(0.5 * (rows * cell_m - place.size_m.y())), 0);
   for (Vector3f& p : inside.points_B) p += to_map;
   result.invalid_share = inside.invalid_share;
   result.noise_mm = 1000 * inside.noise_m;
-  result.map = GridPoints(inside.points_B, rows, columns, config.cell_size_m,
-                          std::max(1.2 * config.cell_size_m, 1.8 * pixel_m));
-  FinishMap(config, result);
-  if (place.X_BC)
-    result.map.datum = Datum::kFloor;
-  else if (result.map.size() > 0)
-    SetDatum(result.map, place.sand_depth_m);
-  const Eigen::Isometry3d X_CB = X_BC.inverse();
-  result.corners_C = {X_CB * Vector3d(0, 0, sand_B), X_CB * Vector3d(size_m.x(), 0, sand_B),
-                      X_CB * Vector3d(size_m.x(), size_m.y(), sand_B), X_CB * Vector3d(0, size_m.y(), sand_B)};
+  result.map = GridPoints(inside.points_B, rows, columns, cell_m, std::max(1.2 * cell_m, 1.8 * pixel_m));
+}
+
+}  // namespace
+
+ScanResult ScanDepth(std::span<const DepthFrame> frames, const CameraModel& camera, const ScanConfig& config,
+                     const ScanPlace& given) {
+  const auto start = std::chrono::steady_clock::now();
+  CheckPlace(given);
+  const DepthFrame frame = FuseFrames(frames), median = MedianFiltered(frame);
+  ScanResult result;
+  if (const auto place = Locate(ToPoints(median, camera), camera, config, given, result)) {
+    FillMap(frame, median, camera, config, *place, result);
+    FinishMap(config, result);
+    if (given.X_BC)
+      result.map.datum = Datum::kFloor;
+    else if (result.map.size() > 0)
+      SetDatum(result.map, given.sand_depth_m);
+    const double w = place->size_m.x(), d = place->size_m.y(), z = place->sand_B;
+    const Eigen::Isometry3d X_CB = place->X_BC.inverse();
+    result.corners_C = {X_CB * Vector3d(0, 0, z), X_CB * Vector3d(w, 0, z), X_CB * Vector3d(w, d, z),
+                        X_CB * Vector3d(0, d, z)};
+  }
   result.accepted = result.reasons.empty();
   result.seconds = SecondsSince(start);
   return result;

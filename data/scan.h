@@ -25,7 +25,8 @@ struct ScanConfig {
   double max_tilt_deg = 20;
   double max_invalid_share = 0.4;
   double max_interpolated_share = 0.1;
-  double max_hole_m = 0.03;
+  double max_hole_m = 0.04;
+  double corner_margin_m = 0.03;
   double max_registration_m = 0.02;
   BoxFinderConfig box;
   SandCheckConfig sand;
@@ -40,6 +41,8 @@ struct ScanConfig {
     f.Add("max_invalid_share", max_invalid_share, "largest share of the box without a reading [-]", 0, 1);
     f.Add("max_interpolated_share", max_interpolated_share, "largest share of cells interpolated [-]", 0, 1);
     f.Add("max_hole_m", max_hole_m, "furthest that an interpolated cell may lie from a seen one [m]", 0, 1);
+    f.Add("corner_margin_m", corner_margin_m,
+          "readings this close to a corner show posts and tags and are left out [m]", 0, 0.2);
     f.Add("max_registration_m", max_registration_m,
           "furthest that a wall's corner may lie from where the given pose puts it [m]", 0.001, 1);
     f.Section("box", box);
@@ -74,7 +77,7 @@ struct ScanResult {
 // Throws Error for frames of the wrong size, without a reading, or contradictory input; a scene that
 // is not sand in a box is no error but a refusal.
 ScanResult ScanDepth(std::span<const DepthFrame> frames, const CameraModel& camera,
-                     const ScanConfig& config, const ScanPlace& place = {});
+                     const ScanConfig& config, const ScanPlace& given = {});
 
 // `heights`: rank 2, rows along y, in units of `unit_m` metres; NaN = not seen. Row j, column i of the
 // array is row j, column i of the map. The walls are not in it: level "rim" is an Error.
