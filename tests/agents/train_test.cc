@@ -129,7 +129,7 @@ class SavedPolicy : public ::testing::Test {
     return MessageOf([&] { LoadAgent(file.string(), {sand_, {}, 0.1, "cpu"}); });
   }
   static inline std::filesystem::path file_;
-  static inline StillSand sand_;
+  static inline StillSand sand_{Blade{}};
 };
 
 TEST_F(SavedPolicy, ActsWithoutAnythingBesideIt) {
