@@ -88,6 +88,7 @@ void Workcell::Fields(FieldList& f) {
   f.Section("tool", tool);
   f.Section("limits", limits);
   f.Section("motion", motion);
+  f.Section("camera", camera);
   f.Section("kinematics", kinematics);
   f.Add("home_joints_rad", home_joints_rad, "where the arm parks, base first [rad]");
   f.Add("camera_joints_rad", camera_joints_rad, "where scans are taken [rad]");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "data/base/config.h"
+#include "data/camera.h"
 #include "data/stroke.h"
 #include "robot_model/ur10.h"
 
@@ -107,6 +108,7 @@ struct Workcell {
   ToolSettings tool;
   MotionLimits limits;
   MotionSettings motion;
+  CameraModel camera;       // what looks along z of C
   DhParameters kinematics;  // nominal, or read from the controller
   std::vector<double> home_joints_rad = {-1.8476, -1.6540, 2.1158, -2.0326, -1.5708, -1.8476};    // parked
   std::vector<double> camera_joints_rad = {-1.8793, -1.7071, 1.1376, -1.0013, -1.5708, -1.8793};  // scans

@@ -46,6 +46,25 @@ TEST(Workcell, HashesFollowTheirContent) {
   EXPECT_NE(CalibrationHash(cell), CalibrationHash(other));
 }
 
+TEST(Workcell, CameraSeesTheWholeBoxAndNotTheBlade) {
+  for (const char* file : {"configs/workcell.yaml", "configs/workcell_small.yaml"}) {
+    const Workcell cell = LoadWorkcell(kRoot / file);
+    const Eigen::Isometry3d X_WF = Ur10(cell.kinematics).Forward(cell.camera_pose());
+    const Eigen::Isometry3d X_CW = (X_WF * cell.tool.X_FC.ToIsometry()).inverse();
+    const auto in_view = [&](const Eigen::Vector3d& p_C) {
+      const double u = cell.camera.fx_px * p_C.x() / p_C.z() + cell.camera.cx_px;
+      const double v = cell.camera.fy_px * p_C.y() / p_C.z() + cell.camera.cy_px;
+      return p_C.z() > 0 && u > 0 && u < static_cast<double>(cell.camera.width) && v > 0 &&
+             v < static_cast<double>(cell.camera.height);
+    };
+    for (const double x : {0.0, cell.box.width_m})
+      for (const double y : {0.0, cell.box.depth_m})
+        for (const double z : {0.0, cell.box.wall_height_m})
+          EXPECT_TRUE(in_view(X_CW * cell.X_WB.ToIsometry() * Eigen::Vector3d(x, y, z))) << file << x << y << z;
+    EXPECT_FALSE(in_view(X_CW * X_WF * cell.tool.X_FT.ToIsometry() * Eigen::Vector3d(0, 0, 0))) << file;
+  }
+}
+
 TEST(Workcell, BadFilesNameTheKey) {
   EXPECT_THAT(LoadError("X_WB: {translation_m: [0, 0]}"), HasSubstr("X_WB.translation_m has 2 numbers; 3"));
   EXPECT_THAT(LoadError("home_joints_rad: [0, 0, 0]"), HasSubstr("home_joints_rad has 3 numbers; 6"));
