@@ -109,6 +109,24 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
     Initialise(*layer, kReluGain, stream);
   Initialise(rest_head_, kPolicyGain, stream);
   Initialise(value_head_, 1.0, stream);
+  GuessFirst(config.first_guess);
+}
+
+void ActorCritic::GuessFirst(const std::vector<double>& means) {
+  if (means.empty()) return;
+  const torch::NoGradGuard no_grad;
+  const int64_t numbers = rest_head_->bias.size(0) / 2;
+  if (static_cast<int64_t>(means.size()) != numbers)
+    throw Error("network.first_guess has " + std::to_string(means.size()) + " numbers; allowed: none or " +
+                std::to_string(numbers));
+  const double broad = 1.0 + std::numbers::ln2;  // the concentration at output 0
+  for (int64_t i = 0; i < numbers; ++i) {
+    const double share = (means[static_cast<size_t>(i)] + 1.0) / 2.0;  // alpha / (alpha + beta)
+    const double ratio = std::max(share, 1.0 - share) / std::min(share, 1.0 - share);
+    // The lesser concentration stays broad, the greater one is set for the mean: inverse of softplus + 1.
+    const double output = std::log(std::expm1(broad * ratio - 1.0));
+    rest_head_->bias[share > 0.5 ? i : numbers + i] = output;
+  }
 }
 
 ActorCritic::Encoding ActorCritic::Encode(const ObservationTensors& observation) {

@@ -37,7 +37,8 @@ class ActorCritic : public torch::nn::Module {
     torch::Tensor log_prob, entropy, value;  // [B]
   };
 
-  // Orthogonal initial weights drawn from `stream`: the policy starts near uniform.
+  // Orthogonal initial weights drawn from `stream`: the policy starts near uniform over places, and the
+  // rest near config.first_guess. Error where that has another length than the rest.
   ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
               RandomStream& stream);
 
@@ -51,6 +52,8 @@ class ActorCritic : public torch::nn::Module {
   Terms Evaluate(const ObservationTensors& observation, const torch::Tensor& action);
 
  private:
+  // Sets the first Beta means of the rest of the action.
+  void GuessFirst(const std::vector<double>& means);
   struct Encoding {
     torch::Tensor places;  // [B, F, rows, columns]; undefined without a map
     torch::Tensor whole;   // [B, hidden]

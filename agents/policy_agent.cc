@@ -12,7 +12,8 @@ namespace {
 constexpr double kSizeTolerance_m = 1e-6;
 }  // namespace
 
-std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views, std::span<RandomStream>) {
+std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views,
+                                     std::span<RandomStream> streams) {
   if (views.empty()) return {};
   const ObservationSpec spec = SpecOf(card_.observation);
   const auto map_size = static_cast<size_t>(spec.map_size()), vec_size = static_cast<size_t>(spec.vec_size());
@@ -28,9 +29,17 @@ std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views, std::span<
                               region.depth_m));
     Encode(views[i], card_.observation, batch.map.data() + i * map_size, batch.vec.data() + i * vec_size);
   }
-  const auto mean = network_.Mean(ToTensors(batch, spec, device_)).contiguous();
+  const ObservationTensors observation = ToTensors(batch, spec, device_);
+  const auto mean = network_.Mean(observation).contiguous();
   std::vector<Action> actions(views.size());
   std::memcpy(actions.data(), mean.data_ptr<float>(), views.size() * sizeof(Action));
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (views[i].rejected_in_a_row == 0) continue;
+    const auto row = [&](const torch::Tensor& t) { return t.narrow(0, static_cast<int64_t>(i), 1); };
+    const auto drawn =
+        network_.Sample({row(observation.map), row(observation.vec)}, streams.subspan(i, 1)).action;
+    std::memcpy(actions[i].data(), drawn.data_ptr<float>(), sizeof(Action));
+  }
   return actions;
 }
 

@@ -22,8 +22,9 @@ class PolicyAgent final : public Agent {
   std::optional<std::array<double, 2>> region_size_m() const override {
     return {{card_.region_width_m, card_.region_depth_m}};
   }
-  // The most probable place and the mean of the rest; draws nothing from `streams`. Throws Error
-  // where a view's region is of another size than the one the policy was trained in.
+  // The most probable place and the mean of the rest. Where the last stroke was rejected the sand is
+  // as it was, so that the same stroke would come again: there the action is drawn from the policy.
+  // Throws Error where a view's region is of another size than the one the policy was trained in.
   std::vector<Action> Act(std::span<const TaskView> views, std::span<RandomStream> streams) override;
 
  private:

@@ -11,12 +11,12 @@
 namespace sandwright {
 
 struct FitConfig {
-  int64_t epochs = 200;
-  int64_t batch_size = 4;
+  int64_t epochs = 100;
+  int64_t batch_size = 2;
   double learning_rate = 1e-3;  // of AdamW at the start; falls to zero along a cosine
   double weight_decay = 1e-3;
   double huber_mm = 2.0;        // errors beyond it count linearly
-  int64_t patience = 60;        // epochs without a better validation error before the end
+  int64_t patience = 40;        // epochs without a better validation error before the end
   SurrogateConfig surrogate;    // the model that is trained
 
   void Fields(FieldList& f) {

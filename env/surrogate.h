@@ -12,7 +12,7 @@ namespace sandwright {
 // Everything that decides a prediction, kept in the model's file.
 struct SurrogateConfig {
   double cell_size_m = 0.004;    // the cells it was trained on: it works on no others
-  bool conserve_volume = false;  // the net's correction adds and removes the same volume
+  bool conserve_volume = true;   // the net's correction adds and removes the same volume
   int64_t threads = 1;           // for a batch of strokes
   SurrogateNetConfig net;
   HeightfieldConfig heightfield;  // what the net was trained on top of, its blade included

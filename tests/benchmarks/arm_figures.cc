@@ -134,7 +134,7 @@ nlohmann::json ReachFigures(const SafetyGate& gate, const HeightMap& terrain, co
   cv::resize(colour, colour, {}, kPixels, kPixels, cv::INTER_NEAREST);
   // Below the box: the arm's base, drawn to scale.
   const Eigen::Vector3d base = cell.X_WB.ToIsometry().inverse().translation();
-  const int below = static_cast<int>((std::max(0.0, -base.y()) + 0.15) / kCell_m * kPixels);
+  const int below = static_cast<int>((std::max(0.0, -base.y()) + 0.1) / kCell_m * kPixels);
   cv::copyMakeBorder(colour, colour, 50, below, 20, 20, cv::BORDER_CONSTANT, {255, 255, 255});
   const cv::Point at(20 + static_cast<int>(base.x() / kCell_m * kPixels),
                      50 + rows * kPixels + static_cast<int>(-base.y() / kCell_m * kPixels));
@@ -143,7 +143,7 @@ nlohmann::json ReachFigures(const SafetyGate& gate, const HeightMap& terrain, co
     cv::putText(colour, text, where, cv::FONT_HERSHEY_SIMPLEX, 0.6, {40, 40, 40}, 1, cv::LINE_AA);
   };
   const double cells = static_cast<double>(rows) * columns * kHeadings;
-  write(fmt::format("Share of 16 headings reachable, 120 mm stroke: {:.1f} % of the box, {:.1f} % of what the walls allow",
+  write(fmt::format("120 mm strokes, 16 headings a cell: {:.1f} % of all, {:.1f} % of those inside the walls",
                     100 * all / cells, 100.0 * all / inside), {20, 30});
   write("UR10 base", at + cv::Point(80, 5));
   WritePicture(colour, picture);

@@ -47,6 +47,7 @@ FitConfig SmallFit(int epochs) {
   config.learning_rate = 1e-2;
   config.surrogate.net.base_channels = 8;
   config.surrogate.net.poolings = 1;
+  config.surrogate.conserve_volume = false;  // training knows nothing of it
   return config;
 }
 

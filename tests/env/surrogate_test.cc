@@ -7,8 +7,11 @@
 #include <numeric>
 
 #include "data/base/random.h"
+#include "data/excavation.h"
 #include "env/fit_samples.h"
 #include "env/load_sand_model.h"
+#include "env/score_model.h"
+#include "env/terrain_generator.h"
 
 namespace sandwright {
 namespace {
@@ -20,6 +23,7 @@ SurrogateConfig SmallConfig() {
   SurrogateConfig config;
   config.net.base_channels = 4;
   config.net.poolings = 1;
+  config.conserve_volume = false;
   return config;
 }
 
@@ -237,6 +241,28 @@ TEST(SurrogateEncoding, TurnsWithTheSquare) {
     for (size_t i = 0; i < direct.channels.size(); ++i) different += std::abs(direct.channels[i] - by_copy.channels[i]) > 1e-3f;
     EXPECT_LT(different, direct.channels.size() / 1000) << "symmetry " << symmetry;
   }
+}
+
+// The model that ships, on the bed that it was not trained on.
+TEST(DefaultSurrogate, BeatsTheHeightfieldOnGrains) {
+  const std::vector<std::filesystem::path> bed = {SANDWRIGHT_ROOT "/data/strokes/dem/bed_504.h5"};
+  const ScoreSummary learned = ScoreModel(*LoadSandModel("default", {}), bed, {}).Total();
+  const ScoreSummary plain = ScoreModel(Heightfield(), bed, {}).Total();
+  EXPECT_GT(learned.r2_change.value(), plain.r2_change.value() + 0.02);
+  EXPECT_LT(learned.mae_mm.value(), plain.mae_mm.value() - 0.1);
+}
+
+TEST(DefaultSurrogate, StaysSaneOverFiftyStrokes) {
+  const auto model = LoadSandModel("default", {});
+  RandomStream stream(1);
+  SandState state(GenerateTerrain({}, 75, 75, 0.004, stream));
+  const double volume = Volume(state.map());
+  for (int i = 0; i < 50; ++i) {
+    const Stroke stroke = DrawStroke({}, state.map(), stream);
+    model->Apply(std::span(&state, 1), std::span(&stroke, 1));
+    for (float h : state.map().height_m) ASSERT_TRUE(h >= 0 && h < 0.15f) << "stroke " << i;
+  }
+  EXPECT_NEAR(Volume(state.map()), volume, 1e-4 * volume);
 }
 
 TEST(LoadSandModel, NamesAndRefusals) {
