@@ -11,12 +11,15 @@ struct NetworkConfig {
   int64_t channels = 16;  // of the finest features
   int64_t hidden = 64;
   int64_t headings = 16;
+  double surplus_first = 0;
   std::vector<double> first_guess;
 
   void Fields(FieldList& f) {
     f.Add("channels", channels, "feature channels at half the map's resolution, twice below", 1, 256);
     f.Add("hidden", hidden, "width of the fully connected layers", 1, 4096);
     f.Add("headings", headings, "directions of travel that the policy tells apart", 1, 64);
+    f.Add("surplus_first", surplus_first,
+          "how much the untrained policy prefers to start on surplus sand: log probability per 10 mm", 0, 20);
     f.Add("first_guess", first_guess,
           "means of length, depths and bend that the untrained policy starts from; empty: 0", -0.95, 0.95);
   }

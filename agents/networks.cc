@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "data/base/error.h"
+#include "env/observation.h"
 
 namespace sandwright {
 namespace {
@@ -13,6 +14,7 @@ namespace nn = torch::nn;
 namespace F = torch::nn::functional;
 
 constexpr double kReluGain = std::numbers::sqrt2;
+constexpr const char* kSurplusChannel = "goal_difference_coarse";
 constexpr double kPolicyGain = 0.01;  // the first policy is close to uniform
 
 // Rows (or columns) of equal length at right angles: Saxe et al., ICLR 2014.
@@ -94,6 +96,7 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
     coarse_mix_ = register_module("coarse_mix", Convolution(2 * width, 2 * width, 1, 1));
     whole_mix_ = register_module("whole_mix", nn::Linear(hidden, 2 * width));
     place_head_ = register_module("place_head", Convolution(2 * width, config.headings, 1, 1));
+    if (config.surplus_first > 0) PreferSurplus(spec, config);
     for (auto* layer : {&fine_, &middle_, &coarse_, &fine_mix_, &middle_mix_, &coarse_mix_})
       Initialise(*layer, kReluGain, stream);
     Initialise(whole_mix_, kReluGain, stream);
@@ -110,6 +113,19 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
   Initialise(rest_head_, kPolicyGain, stream);
   Initialise(value_head_, 1.0, stream);
   GuessFirst(config.first_guess);
+}
+
+void ActorCritic::PreferSurplus(const ObservationSpec& spec, const NetworkConfig& config) {
+  const auto channel = std::ranges::find(spec.channels, kSurplusChannel);
+  if (channel == spec.channels.end())
+    throw Error(std::string("network.surplus_first needs an observation channel ") + kSurplusChannel);
+  place_skip_ = register_module(
+      "place_skip", Convolution(static_cast<int64_t>(spec.channels.size()), config.headings, 1, 1));
+  const torch::NoGradGuard no_grad;
+  place_skip_->weight.zero_();
+  place_skip_->bias.zero_();
+  place_skip_->weight.select(1, channel - spec.channels.begin())
+      .fill_(-config.surplus_first * kDifferenceScale_m / 0.010);
 }
 
 void ActorCritic::GuessFirst(const std::vector<double>& means) {
@@ -151,8 +167,11 @@ ActorCritic::Encoding ActorCritic::Encode(const ObservationTensors& observation)
   return encoding;
 }
 
-torch::Tensor ActorCritic::PlaceLogits(const Encoding& encoding) {
-  return place_head_(encoding.places).flatten(1);
+torch::Tensor ActorCritic::PlaceLogits(const Encoding& encoding, const torch::Tensor& map) {
+  const auto logits = place_head_(encoding.places);
+  if (!place_skip_) return logits.flatten(1);
+  const auto pooled = F::avg_pool2d(map, F::AvgPool2dFuncOptions(2).ceil_mode(true).count_include_pad(false));
+  return (logits + place_skip_(pooled)).flatten(1);
 }
 
 BetaParameters ActorCritic::RestOf(const Encoding& encoding, const torch::Tensor& place) {
@@ -189,7 +208,7 @@ ActorCritic::Decision ActorCritic::Sample(const ObservationTensors& observation,
   auto log_prob = torch::zeros({batch});
   torch::Tensor place;
   if (has_map_) {
-    const auto logits = PlaceLogits(encoding);
+    const auto logits = PlaceLogits(encoding, observation.map);
     const auto probability = torch::softmax(logits, -1).to(torch::kCPU).contiguous();
     const auto bins = static_cast<size_t>(grid_.bins());
     for (size_t i = 0; i < streams.size(); ++i) {
@@ -218,7 +237,7 @@ torch::Tensor ActorCritic::Mean(const ObservationTensors& observation) {
   const torch::NoGradGuard no_grad;
   const Encoding encoding = Encode(observation);
   if (!has_map_) return BetaMean(RestOf(encoding, {})).to(torch::kCPU);
-  const auto place = grid_.Centre(PlaceLogits(encoding).argmax(-1));
+  const auto place = grid_.Centre(PlaceLogits(encoding, observation.map).argmax(-1));
   return torch::cat({place, BetaMean(RestOf(encoding, place))}, 1).to(torch::kCPU);
 }
 
@@ -230,7 +249,7 @@ ActorCritic::Terms ActorCritic::Evaluate(const ObservationTensors& observation,
     return {BetaLogProb(all, action), BetaEntropy(all), ValueOf(encoding)};
   }
   const auto place = action.narrow(1, 0, PlaceGrid::kNumbers);
-  const auto logits = PlaceLogits(encoding);
+  const auto logits = PlaceLogits(encoding, observation.map);
   const BetaParameters rest = RestOf(encoding, place);
   const auto rest_action = action.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers);
   return {grid_.LogProb(logits, grid_.Bin(place)) + BetaLogProb(rest, rest_action),

@@ -52,6 +52,9 @@ class ActorCritic : public torch::nn::Module {
   Terms Evaluate(const ObservationTensors& observation, const torch::Tensor& action);
 
  private:
+  // Lets the first policy prefer surplus sand: adds place_skip_, through which what the map shows at a
+  // place goes straight into its logits.
+  void PreferSurplus(const ObservationSpec& spec, const NetworkConfig& config);
   // Sets the first Beta means of the rest of the action.
   void GuessFirst(const std::vector<double>& means);
   struct Encoding {
@@ -59,7 +62,7 @@ class ActorCritic : public torch::nn::Module {
     torch::Tensor whole;   // [B, hidden]
   };
   Encoding Encode(const ObservationTensors& observation);
-  torch::Tensor PlaceLogits(const Encoding& encoding);
+  torch::Tensor PlaceLogits(const Encoding& encoding, const torch::Tensor& map);
   // Beta outputs given the place [B, 3] (undefined without a map).
   BetaParameters RestOf(const Encoding& encoding, const torch::Tensor& place);
   torch::Tensor ValueOf(const Encoding& encoding);
@@ -70,7 +73,7 @@ class ActorCritic : public torch::nn::Module {
   torch::Tensor coordinates_;  // [1, 2, H, W]: x and y on [-1, 1]
   torch::nn::Conv2d fine_{nullptr}, middle_{nullptr}, coarse_{nullptr};
   torch::nn::Conv2d fine_mix_{nullptr}, middle_mix_{nullptr}, coarse_mix_{nullptr};
-  torch::nn::Conv2d place_head_{nullptr};
+  torch::nn::Conv2d place_head_{nullptr}, place_skip_{nullptr};
   torch::nn::Linear whole_in_{nullptr}, whole_out_{nullptr}, whole_mix_{nullptr};
   torch::nn::Linear rest_hidden_{nullptr}, rest_head_{nullptr};
   torch::nn::Linear value_hidden_{nullptr}, value_head_{nullptr};

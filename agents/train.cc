@@ -90,7 +90,9 @@ class Run {
       to[i].copy_(from[i]);
     }
     ppo_.Load(content, source);
-    best_mm_ = nlohmann::json::parse(content.Metadata("best_mm", source));
+    // The best so far counts only where it was measured on the same.
+    if (content.Metadata("validated_on", source) == ValidatedOn())
+      best_mm_ = nlohmann::json::parse(content.Metadata("best_mm", source));
   }
 
   nlohmann::json Go() {
@@ -146,6 +148,14 @@ class Run {
             {"eval/success_rate", result.Mean("success")}};
   }
 
+  // The part of the configuration that a validation error depends on.
+  std::string ValidatedOn() const {
+    nlohmann::json on;
+    for (const char* key : {"model", "workcell", "heightfield", "task", "env", "evaluation_tasks"})
+      on[key] = card_.config.at(key);
+    return on.dump();
+  }
+
   Safetensors Pack() {
     card_.steps = ppo_.steps();
     return PackPolicy(network_, card_);
@@ -155,6 +165,7 @@ class Run {
     Safetensors content = Pack();
     ppo_.Save(content);
     content.metadata["best_mm"] = nlohmann::json(best_mm_).dump();
+    content.metadata["validated_on"] = ValidatedOn();
     WriteSafetensors(content, run_.folder / "checkpoints" / fmt::format("{:012}.safetensors", ppo_.steps()));
     const auto files = Checkpoints(run_.folder);
     for (size_t i = 0; i + kKeptCheckpoints < files.size(); ++i) std::filesystem::remove(files[i]);

@@ -35,7 +35,7 @@ struct TrainConfig {
     f.Add("torch_threads", torch_threads, "threads of the network; results depend on it in the last bits", 1, 256);
     f.Add("model", model, "sand model that is the world: heightfield, none, default or a .safetensors file");
     f.Add("workcell", workcell, "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
-    f.Add("tasks_file", tasks_file, "task file to draw training tasks from; empty: generate by `task`");
+    f.Add("tasks.file", tasks_file, "task file to draw training tasks from; empty: generate by `task`");
     f.Add("evaluate_every", evaluate_every, "strokes between evaluations; 0: never", 0, 1e12);
     f.Add("evaluation_tasks", evaluation_tasks, "generated tasks of an evaluation, unseen in training", 1, 10000);
     f.Add("checkpoint_every", checkpoint_every, "strokes between checkpoints; 0: at the end only", 0, 1e12);

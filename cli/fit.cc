@@ -13,7 +13,8 @@ class FitCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
     app.add_option("--data", data_, "stroke files or folders to train on")->required();
-    app.add_option("--validation", validation_, "stroke files or folders of other beds, for early stopping");
+    app.add_option("--validation", validation_,
+                   "stroke files or folders of other beds, for early stopping");
     app.add_option("--init", init_, "start from this surrogate")->check(CLI::ExistingFile);
     app.add_option("--out", out_, "surrogate to write (.safetensors)")->required();
   }
@@ -33,8 +34,8 @@ class FitCommand final : public Command {
     WriteSafetensors(report.model, out_);
     nlohmann::json json = report.ToJson();
     json["out"] = out_;
-    std::printf("%s: %d strokes, best of %d epochs is %d, training RMSE %.2f mm", out_.c_str(), report.strokes,
-                report.epochs, report.best_epoch, report.train_rmse_mm);
+    std::printf("%s: %d strokes, best of %d epochs is %d, training RMSE %.2f mm", out_.c_str(),
+                report.strokes, report.epochs, report.best_epoch, report.train_rmse_mm);
     if (report.validation_rmse_mm)
       std::printf(", validation RMSE %.2f mm (heightfield %.2f mm)", *report.validation_rmse_mm,
                   *report.validation_heightfield_rmse_mm);

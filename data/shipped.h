@@ -11,6 +11,8 @@ namespace sandwright {
 // Throws Error naming the places where it was looked for.
 std::filesystem::path ShippedFile(const std::string& relative);
 // A configuration of configs/, which lies beside data/.
-inline std::filesystem::path ShippedConfig(const std::string& name) { return ShippedFile("../configs/" + name); }
+inline std::filesystem::path ShippedConfig(const std::string& name) {
+  return ShippedFile("../configs/" + name);
+}
 
 }  // namespace sandwright

@@ -27,7 +27,8 @@ FitSample MakeSample(const StrokeRecord& record, const Heightfield& heightfield,
   heightfield.Apply(state, std::span(&record.path, 1));
   const HeightMap& predicted = state.front().map();
 
-  FitSample sample{name, EncodeStroke(before, predicted, record.path, blade, model.net.multiple()), {}, {}};
+  FitSample sample{
+      name, EncodeStroke(before, predicted, record.path, blade, model.net.multiple()), {}, {}};
   const CellRect& window = sample.input.window;
   if (window.empty()) throw Error(name + ": the path lies outside the box");
   sample.target.assign(static_cast<size_t>(sample.input.rows * sample.input.columns), 0.0f);
@@ -35,11 +36,14 @@ FitSample MakeSample(const StrokeRecord& record, const Heightfield& heightfield,
   for (int row = window.row0; row < window.row1; ++row) {
     for (int column = window.column0; column < window.column1; ++column) {
       const size_t cell = before.Index(row, column);
-      if ((!before.valid.empty() && !before.valid[cell]) || (!truth.valid.empty() && !truth.valid[cell]))
+      if ((!before.valid.empty() && !before.valid[cell]) ||
+          (!truth.valid.empty() && !truth.valid[cell]))
         continue;
-      const auto at = static_cast<size_t>((row - window.row0) * sample.input.columns + column - window.column0);
-      sample.target[at] = static_cast<float>((static_cast<double>(truth.height_m[cell]) - predicted.height_m[cell]) /
-                                             kResidualScale_m);
+      const auto at =
+          static_cast<size_t>((row - window.row0) * sample.input.columns + column - window.column0);
+      sample.target[at] = static_cast<float>(
+          (static_cast<double>(truth.height_m[cell]) - predicted.height_m[cell]) /
+          kResidualScale_m);
       sample.weight[at] = 1;
     }
   }
@@ -48,8 +52,8 @@ FitSample MakeSample(const StrokeRecord& record, const Heightfield& heightfield,
 
 }  // namespace
 
-FitSamples ReadFitSamples(const std::vector<std::filesystem::path>& files, const SurrogateConfig& model,
-                          int threads) {
+FitSamples ReadFitSamples(const std::vector<std::filesystem::path>& files,
+                          const SurrogateConfig& model, int threads) {
   const Heightfield heightfield(model.heightfield);
   FitSamples result;
   for (const auto& path : files) {
@@ -59,7 +63,8 @@ FitSamples ReadFitSamples(const std::vector<std::filesystem::path>& files, const
     std::vector<FitSample> samples(file.strokes.size());
     ParallelFor(static_cast<int>(samples.size()), threads, [&](int index) {
       const auto i = static_cast<size_t>(index);
-      samples[i] = MakeSample(file.strokes[i], heightfield, model, fmt::format("{}, stroke {}", path.string(), i));
+      samples[i] = MakeSample(file.strokes[i], heightfield, model,
+                              fmt::format("{}, stroke {}", path.string(), i));
     });
     std::ranges::move(samples, std::back_inserter(result.samples));
   }

@@ -27,9 +27,11 @@ class TrainingNet {
       : poolings_(static_cast<int>(config.poolings)), shapes_(SurrogateLayers(config)) {
     for (const ConvShape& shape : shapes_) {
       auto weight = torch::zeros({shape.out, shape.in, shape.size, shape.size});
-      const double deviation = shape.name == "head" ? 0 : std::sqrt(2.0 / (shape.in * shape.size * shape.size));
+      const double deviation =
+          shape.name == "head" ? 0 : std::sqrt(2.0 / (shape.in * shape.size * shape.size));
       float* values = weight.data_ptr<float>();
-      for (int64_t i = 0; i < weight.numel(); ++i) values[i] = static_cast<float>(deviation * stream.Normal());
+      for (int64_t i = 0; i < weight.numel(); ++i)
+        values[i] = static_cast<float>(deviation * stream.Normal());
       parameters_.push_back(weight.set_requires_grad(true));
       parameters_.push_back(torch::zeros({shape.out}).set_requires_grad(true));
     }
@@ -42,7 +44,8 @@ class TrainingNet {
     size_t next = 0;
     const auto convolve = [&](const torch::Tensor& x) {
       const size_t at = 2 * next++;
-      return torch::conv2d(x, parameters_[at], parameters_[at + 1], 1, (shapes_[at / 2].size - 1) / 2);
+      return torch::conv2d(x, parameters_[at], parameters_[at + 1], 1,
+                           (shapes_[at / 2].size - 1) / 2);
     };
     const auto block = [&](torch::Tensor x) {
       x = torch::relu(convolve(x));
@@ -65,7 +68,8 @@ class TrainingNet {
   void Save(Safetensors& file) const {
     const auto store = [&](const std::string& name, const torch::Tensor& tensor) {
       const torch::Tensor flat = tensor.detach().contiguous();
-      file.tensors[name] = {flat.sizes().vec(), {flat.data_ptr<float>(), flat.data_ptr<float>() + flat.numel()}};
+      file.tensors[name] = {flat.sizes().vec(),
+                            {flat.data_ptr<float>(), flat.data_ptr<float>() + flat.numel()}};
     };
     for (size_t i = 0; i < shapes_.size(); ++i) {
       store(shapes_[i].name + ".weight", parameters_[2 * i]);
@@ -98,15 +102,20 @@ struct Batch {
 // Samples side by side, padded with zeros to the largest.
 Batch Collate(const std::vector<FitSample>& samples) {
   int rows = 0, columns = 0;
-  for (const FitSample& s : samples) rows = std::max(rows, s.input.rows), columns = std::max(columns, s.input.columns);
+  for (const FitSample& s : samples)
+    rows = std::max(rows, s.input.rows), columns = std::max(columns, s.input.columns);
   const auto count = static_cast<int64_t>(samples.size());
   Batch batch{torch::zeros({count, kSurrogateChannelCount, rows, columns}),
               torch::zeros({count, rows, columns}), torch::zeros({count, rows, columns})};
   const auto place = [](const std::vector<float>& values, torch::Tensor to, const FitSample& s) {
-    const auto from = torch::from_blob(const_cast<float*>(values.data()),
-                                       {static_cast<int64_t>(values.size()) / (s.input.rows * s.input.columns),
-                                        s.input.rows, s.input.columns});
-    to.view({-1, to.size(-2), to.size(-1)}).narrow(1, 0, s.input.rows).narrow(2, 0, s.input.columns).copy_(from);
+    const auto from =
+        torch::from_blob(const_cast<float*>(values.data()),
+                         {static_cast<int64_t>(values.size()) / (s.input.rows * s.input.columns),
+                          s.input.rows, s.input.columns});
+    to.view({-1, to.size(-2), to.size(-1)})
+        .narrow(1, 0, s.input.rows)
+        .narrow(2, 0, s.input.columns)
+        .copy_(from);
   };
   for (size_t i = 0; i < samples.size(); ++i) {
     const auto n = static_cast<int64_t>(i);
@@ -154,7 +163,9 @@ class Trainer {
         samples_(std::move(samples)),
         stream_(request.seed, StreamId("fit.order")),
         net_(config.surrogate.net, RandomStream(request.seed, StreamId("fit.parameters"))),
-        optimiser_(net_.parameters(), torch::optim::AdamWOptions(config.learning_rate).weight_decay(config.weight_decay)) {}
+        optimiser_(
+            net_.parameters(),
+            torch::optim::AdamWOptions(config.learning_rate).weight_decay(config.weight_decay)) {}
 
   TrainingNet& net() { return net_; }
 
@@ -167,7 +178,8 @@ class Trainer {
     const size_t batches = (order.size() + size - 1) / size;
     for (size_t b = 0; b < batches; ++b) {
       if (StopRequested()) return false;
-      const double done = (epoch - 1 + static_cast<double>(b) / static_cast<double>(batches)) / static_cast<double>(config_.epochs);
+      const double done = (epoch - 1 + static_cast<double>(b) / static_cast<double>(batches)) /
+                          static_cast<double>(config_.epochs);
       static_cast<torch::optim::AdamWOptions&>(optimiser_.param_groups()[0].options())
           .lr(config_.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * done)));
       std::vector<FitSample> chosen;
@@ -185,10 +197,11 @@ class Trainer {
     const auto prediction = net_.Forward(batch.channels) * batch.weight;
     const auto cells = batch.weight.sum();
     const double delta = config_.huber_mm / kResidualScale_mm;
-    const auto loss = torch::huber_loss(prediction, batch.target, at::Reduction::Sum, delta) / cells;
+    const auto loss =
+        torch::huber_loss(prediction, batch.target, at::Reduction::Sum, delta) / cells;
     if (!std::isfinite(loss.item<double>())) {
-      std::string message = "fit: the loss is not finite in epoch " + std::to_string(epoch) + ", batch " +
-                            std::to_string(index + 1) + ":";
+      std::string message = "fit: the loss is not finite in epoch " + std::to_string(epoch) +
+                            ", batch " + std::to_string(index + 1) + ":";
       for (const FitSample& s : chosen) message += "\n  " + s.name;
       throw Error(message);
     }
@@ -216,7 +229,8 @@ std::string Millimetres(double value_mm) {
 void CheckBeds(const FitSamples& data, const FitSamples& validation) {
   for (const std::string& bed : validation.beds) {
     if (data.beds.contains(bed))
-      throw Error("bed '" + bed + "' is in both --data and --validation; split by bed, never by stroke");
+      throw Error("bed '" + bed +
+                  "' is in both --data and --validation; split by bed, never by stroke");
   }
 }
 
@@ -239,7 +253,8 @@ std::map<std::string, std::string> Metadata(const FitConfig& config, const FitRe
 }  // namespace
 
 FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
-  const FitSamples validation = ReadFitSamples(request.validation, config.surrogate, request.threads);
+  const FitSamples validation =
+      ReadFitSamples(request.validation, config.surrogate, request.threads);
   FitSamples data = ReadFitSamples(request.data, config.surrogate, request.threads);
   CheckBeds(data, validation);
   torch::set_num_threads(request.threads);
@@ -271,8 +286,9 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
         report.best_epoch = epoch;
         trainer.net().Save(report.model);
       }
-      note += ", validation " + Millimetres(rmse_mm) + ", best " + Millimetres(*report.validation_rmse_mm) +
-              ", heightfield " + Millimetres(*report.validation_heightfield_rmse_mm);
+      note += ", validation " + Millimetres(rmse_mm) + ", best " +
+              Millimetres(*report.validation_rmse_mm) + ", heightfield " +
+              Millimetres(*report.validation_heightfield_rmse_mm);
     }
     progress.Update(epoch, note);
     if (epoch - report.best_epoch >= config.patience) break;
@@ -283,7 +299,9 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
 }
 
 nlohmann::json FitReport::ToJson() const {
-  const auto number = [](const std::optional<double>& v) { return v ? nlohmann::json(*v) : nlohmann::json(); };
+  const auto number = [](const std::optional<double>& v) {
+    return v ? nlohmann::json(*v) : nlohmann::json();
+  };
   return {{"strokes", strokes},
           {"validation_strokes", validation_strokes},
           {"epochs", epochs},

@@ -15,17 +15,20 @@ struct FitConfig {
   int64_t batch_size = 2;
   double learning_rate = 1e-3;  // of AdamW at the start; falls to zero along a cosine
   double weight_decay = 1e-3;
-  double huber_mm = 2.0;        // errors beyond it count linearly
-  int64_t patience = 40;        // epochs without a better validation error before the end
-  SurrogateConfig surrogate;    // the model that is trained
+  double huber_mm = 2.0;      // errors beyond it count linearly
+  int64_t patience = 40;      // epochs without a better validation error before the end
+  SurrogateConfig surrogate;  // the model that is trained
 
   void Fields(FieldList& f) {
-    f.Add("epochs", epochs, "passes over the training strokes, each under a new symmetry", 1, 100000);
+    f.Add("epochs", epochs, "passes over the training strokes, each under a new symmetry", 1,
+          100000);
     f.Add("batch_size", batch_size, "strokes in one gradient step", 1, 1024);
-    f.Add("learning_rate", learning_rate, "of AdamW at the start; falls to zero along a cosine", 1e-7, 1);
+    f.Add("learning_rate", learning_rate, "of AdamW at the start; falls to zero along a cosine",
+          1e-7, 1);
     f.Add("weight_decay", weight_decay, "of AdamW", 0, 1);
     f.Add("huber_mm", huber_mm, "errors beyond it count linearly [mm]", 0.01, 1000);
-    f.Add("patience", patience, "epochs without a better validation error before the end", 1, 100000);
+    f.Add("patience", patience, "epochs without a better validation error before the end", 1,
+          100000);
     f.Section("surrogate", surrogate);
   }
 };
@@ -41,11 +44,12 @@ struct FitRequest {
 struct FitReport {
   Safetensors model;  // what ReadSurrogate takes
   int strokes = 0, validation_strokes = 0;
-  int epochs = 0, best_epoch = 0;       // done; the one that was kept (counted from 1)
-  double train_rmse_mm = 0;             // of the last epoch, over the strokes' windows
-  std::optional<double> validation_rmse_mm, validation_heightfield_rmse_mm;  // the kept one; its rival
+  int epochs = 0, best_epoch = 0;  // done; the one that was kept (counted from 1)
+  double train_rmse_mm = 0;        // of the last epoch, over the strokes' windows
+  std::optional<double> validation_rmse_mm,
+      validation_heightfield_rmse_mm;  // the kept one; its rival
   double seconds = 0;
-  bool stopped = false;                 // by Ctrl-C: the best until then
+  bool stopped = false;  // by Ctrl-C: the best until then
   nlohmann::json ToJson() const;
 };
 

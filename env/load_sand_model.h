@@ -12,6 +12,7 @@ namespace sandwright {
 // surrogate) or a .safetensors file that `fit` wrote. A surrogate brings its own heightfield and
 // blade and takes only the threads of `config`. Throws Error for any other name: `dem` stands for
 // grains, which this version does not run.
-std::unique_ptr<SandModel> LoadSandModel(const std::string& name_or_file, const HeightfieldConfig& config);
+std::unique_ptr<SandModel> LoadSandModel(const std::string& name_or_file,
+                                         const HeightfieldConfig& config);
 
 }  // namespace sandwright

@@ -19,7 +19,8 @@ double Quantised_mm(double height_m) {
 
 }  // namespace
 
-PaperScore ScorePaperCrop(const HeightMap& truth, const HeightMap& prediction, const ToolPath& path) {
+PaperScore ScorePaperCrop(const HeightMap& truth, const HeightMap& prediction,
+                          const ToolPath& path) {
   SAND_CHECK(!path.empty());
   const BladePose &first = path.front(), &last = path.back();
   const double dx = last.x_m - first.x_m, dy = last.y_m - first.y_m;

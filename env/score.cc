@@ -31,8 +31,8 @@ CellRect ScoreWindow(const HeightMap& before, const HeightMap& truth, const Heig
                      ChangedBounds(before, prediction, kChangeThreshold_m)));
 }
 
-StrokeScore ScoreStroke(const HeightMap& before, const HeightMap& truth, const HeightMap& prediction,
-                        const ToolPath& path) {
+StrokeScore ScoreStroke(const HeightMap& before, const HeightMap& truth,
+                        const HeightMap& prediction, const ToolPath& path) {
   StrokeScore score;
   ForEachCell(before, ScoreWindow(before, truth, prediction, path), [&](size_t cell) {
     if (!Seen(before, cell) || !Seen(truth, cell)) return;

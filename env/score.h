@@ -20,14 +20,14 @@ inline constexpr double kChangeThreshold_m = 1e-3;  // a cell that moved less ha
 
 // One stroke: sums over the cells of its score window.
 struct StrokeScore {
-  std::string file;           // where it came from, for people
-  int stroke = 0;             // index in the file
-  char complexity = 'A';      // ComplexityClass
+  std::string file;       // where it came from, for people
+  int stroke = 0;         // index in the file
+  char complexity = 'A';  // ComplexityClass
   int64_t cells = 0;
-  double absolute_mm = 0;     // sum |prediction - truth|
-  double squared_mm2 = 0;     // sum (prediction - truth)^2
-  double change_mm2 = 0;      // sum (truth - before)^2
-  double max_abs_mm = 0;      // max |prediction - truth|
+  double absolute_mm = 0;  // sum |prediction - truth|
+  double squared_mm2 = 0;  // sum (prediction - truth)^2
+  double change_mm2 = 0;   // sum (truth - before)^2
+  double max_abs_mm = 0;   // max |prediction - truth|
   // Net volume that the prediction adds / volume that it moves (half the sum of |change|), over the
   // whole map; none where it moves nothing.
   std::optional<double> volume_drift_rel;
@@ -40,20 +40,20 @@ CellRect ScoreWindow(const HeightMap& before, const HeightMap& truth, const Heig
                      const ToolPath& path);
 
 // Error where no cell of the window was seen. file, stroke and complexity are the caller's.
-StrokeScore ScoreStroke(const HeightMap& before, const HeightMap& truth, const HeightMap& prediction,
-                        const ToolPath& path);
+StrokeScore ScoreStroke(const HeightMap& before, const HeightMap& truth,
+                        const HeightMap& prediction, const ToolPath& path);
 
-// Sums over cells -> figures. Means over cells pool all windows, so a large window counts more; none
-// where the figure is not defined (no stroke, nothing changed, floor above the change).
+// Sums over cells -> figures. Means over cells pool all windows, so a large window counts more;
+// none where the figure is not defined (no stroke, nothing changed, floor above the change).
 struct ScoreSummary {
   int strokes = 0;
-  std::optional<double> mae_mm;           // mean over cells
-  std::optional<double> rmse_mean_mm;     // root of the mean squared error over cells
-  std::optional<double> rmse_mode_mm;     // peak of the density of the strokes' RMSE (DensityPeak)
-  std::optional<double> mean_max_abs_mm;  // mean over strokes
-  std::optional<double> r2_change;        // 1 - sum squared error / sum squared true change
-  std::optional<double> explained;        // 1 - (MSE - floor^2) / (change^2 - floor^2)
-  std::optional<double> volume_drift_rel; // mean over the strokes that have one
+  std::optional<double> mae_mm;            // mean over cells
+  std::optional<double> rmse_mean_mm;      // root of the mean squared error over cells
+  std::optional<double> rmse_mode_mm;      // peak of the density of the strokes' RMSE (DensityPeak)
+  std::optional<double> mean_max_abs_mm;   // mean over strokes
+  std::optional<double> r2_change;         // 1 - sum squared error / sum squared true change
+  std::optional<double> explained;         // 1 - (MSE - floor^2) / (change^2 - floor^2)
+  std::optional<double> volume_drift_rel;  // mean over the strokes that have one
 };
 ScoreSummary Summarise(std::span<const StrokeScore> strokes, double floor_mm);
 

@@ -34,8 +34,9 @@ void CheckBlade(const SandModel& model, const Blade& blade, const std::string& w
   if (std::abs(own.width_m - blade.width_m) < 1e-6 &&
       std::abs(own.thickness_m - blade.thickness_m) < 1e-6)
     return;
-  throw Error(fmt::format("{}: the blade is {} x {} m; model {} is for {} x {} m", where, blade.width_m,
-                          blade.thickness_m, model.name(), own.width_m, own.thickness_m));
+  throw Error(fmt::format("{}: the blade is {} x {} m; model {} is for {} x {} m", where,
+                          blade.width_m, blade.thickness_m, model.name(), own.width_m,
+                          own.thickness_m));
 }
 
 class Scorer {
@@ -65,9 +66,10 @@ class Scorer {
     const auto count = static_cast<double>(report_.strokes.size());
     report_.ms_per_stroke = seconds_ * 1e3 / count;
     report_.floor_mm = config_.floor_mm.value_or(floor_.rmse_mm());
-    report_.floor_source = config_.floor_mm     ? "given"
-                           : floor_.pairs() > 0 ? fmt::format("{} pairs of replicates", floor_.pairs())
-                                                : "0: no replicates in the data";
+    report_.floor_source = config_.floor_mm ? "given"
+                           : floor_.pairs() > 0
+                               ? fmt::format("{} pairs of replicates", floor_.pairs())
+                               : "0: no replicates in the data";
     for (const auto& [step, sums] : accrued_)
       report_.accrued_rmse_mm[step] = std::sqrt(sums.squared_mm2 / static_cast<double>(sums.cells));
     if (config_.paper) {
@@ -121,8 +123,9 @@ class Scorer {
       size_t other = 0;
       while (other < file.strokes.size() && fmt::format("{:05}", other) != *a.replicate_of) ++other;
       if (other == file.strokes.size())
-        throw Error(fmt::format("{}: stroke {} is a replicate of '{}', which the file does not hold",
-                                path.string(), i, *a.replicate_of));
+        throw Error(
+            fmt::format("{}: stroke {} is a replicate of '{}', which the file does not hold",
+                        path.string(), i, *a.replicate_of));
       const StrokeRecord& b = file.strokes[other];
       floor_.Add(OnErrorCells(a.before), OnErrorCells(a.after), OnErrorCells(b.before),
                  OnErrorCells(b.after), a.path);
@@ -156,12 +159,14 @@ class Scorer {
     }
   }
 
-  void AddAccrued(int step, const HeightMap& truth, const HeightMap& prediction, const CellRect& window) {
+  void AddAccrued(int step, const HeightMap& truth, const HeightMap& prediction,
+                  const CellRect& window) {
     Sums& sums = accrued_[step];
     for (int row = window.row0; row < window.row1; ++row) {
       for (int column = window.column0; column < window.column1; ++column) {
         if (!truth.valid.empty() && truth.valid[truth.Index(row, column)] == 0) continue;
-        const double error_mm = 1e3 * (static_cast<double>(prediction.At(row, column)) - truth.At(row, column));
+        const double error_mm =
+            1e3 * (static_cast<double>(prediction.At(row, column)) - truth.At(row, column));
         sums.squared_mm2 += error_mm * error_mm;
         ++sums.cells;
       }
@@ -169,19 +174,22 @@ class Scorer {
   }
 
   // Before, truth, prediction, and the error at +-12 mm, side by side.
-  void Draw(const std::filesystem::path& path, int index, const HeightMap& before, const HeightMap& truth,
-            const HeightMap& prediction) const {
+  void Draw(const std::filesystem::path& path, int index, const HeightMap& before,
+            const HeightMap& truth, const HeightMap& prediction) const {
     const auto [low, high] = std::ranges::minmax(before.height_m);
     const int scale = std::clamp(300 / before.columns, 1, 8);
-    const cv::Mat parts[] = {DrawHeights(before, low, high, scale), DrawHeights(truth, low, high, scale),
+    const cv::Mat parts[] = {DrawHeights(before, low, high, scale),
+                             DrawHeights(truth, low, high, scale),
                              DrawHeights(prediction, low, high, scale),
                              DrawDifference(prediction, truth, kPictureRange_m, scale)};
     cv::Mat row;
     for (const cv::Mat& part : parts) {
       cv::Mat framed(part.rows + 8, part.cols + 8, part.type(), cv::Scalar(255, 255, 255));
       part.copyTo(framed(cv::Rect(4, 4, part.cols, part.rows)));
-      if (row.empty()) row = framed;
-      else cv::hconcat(row, framed, row);
+      if (row.empty())
+        row = framed;
+      else
+        cv::hconcat(row, framed, row);
     }
     std::filesystem::create_directories(config_.pictures);
     WritePicture(row, std::filesystem::path(config_.pictures) /
@@ -242,10 +250,11 @@ nlohmann::json ScoreReport::ToJson() const {
       if (s.complexity == c) of_class.push_back(s);
     }
     const ScoreSummary summary = Summarise(of_class, floor_mm);
-    json["by_complexity"][std::string(1, c)] = {{"strokes", summary.strokes},
-                                                {"mae_mm", Number(summary.mae_mm)},
-                                                {"rmse_mean_mm", Number(summary.rmse_mean_mm)},
-                                                {"mean_max_abs_mm", Number(summary.mean_max_abs_mm)}};
+    json["by_complexity"][std::string(1, c)] = {
+        {"strokes", summary.strokes},
+        {"mae_mm", Number(summary.mae_mm)},
+        {"rmse_mean_mm", Number(summary.rmse_mean_mm)},
+        {"mean_max_abs_mm", Number(summary.mean_max_abs_mm)}};
   }
   for (const auto& [step, rmse_mm] : accrued_rmse_mm)
     json["accrued_rmse_mm"][std::to_string(step)] = rmse_mm;

@@ -15,16 +15,18 @@
 namespace sandwright {
 
 struct ScoreConfig {
-  double cell_size_m = 0.004;       // errors are taken on cells of this size
-  double model_cell_size_m = 0;     // cells the model works on; 0: those it is bound to, else those above
-  std::optional<double> floor_mm;   // noise floor; none: from the replicates in the data, else 0
-  bool rollout = false;             // accrued error over the sequences too
-  bool paper = false;               // the errors of paper_protocol.h too
-  std::string pictures;             // folder for one picture a stroke; "": none
+  double cell_size_m = 0.004;  // errors are taken on cells of this size
+  double model_cell_size_m =
+      0;  // cells the model works on; 0: those it is bound to, else those above
+  std::optional<double> floor_mm;  // noise floor; none: from the replicates in the data, else 0
+  bool rollout = false;            // accrued error over the sequences too
+  bool paper = false;              // the errors of paper_protocol.h too
+  std::string pictures;            // folder for one picture a stroke; "": none
 
   void Fields(FieldList& f) {
     f.Add("model_cell_size_m", model_cell_size_m,
-          "cells that the model works on [m]; 0: those it is bound to, else those of the errors", 0, 0.1);
+          "cells that the model works on [m]; 0: those it is bound to, else those of the errors", 0,
+          0.1);
   }
 };
 
@@ -32,8 +34,8 @@ struct ScoreReport {
   std::string model;
   double cell_size_m = 0, model_cell_size_m = 0;
   double floor_mm = 0;
-  std::string floor_source;       // "given", "replicates", "none in the data"
-  double ms_per_stroke = 0;       // one stroke at a time, from height map and path to height map
+  std::string floor_source;  // "given", "replicates", "none in the data"
+  double ms_per_stroke = 0;  // one stroke at a time, from height map and path to height map
   std::vector<StrokeScore> strokes;
   std::map<int, double> accrued_rmse_mm;  // with rollout: see ScoreModel
   // With paper: means over strokes (the mode for the RMSE), on the paper's crop.

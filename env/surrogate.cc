@@ -10,8 +10,10 @@
 
 namespace sandwright {
 
-void AddResidual(const CellRect& rect, std::vector<double> residual_m, bool conserve_volume, HeightMap& map) {
-  SAND_CHECK(residual_m.size() == static_cast<size_t>(rect.rows()) * static_cast<size_t>(rect.columns()));
+void AddResidual(const CellRect& rect, std::vector<double> residual_m, bool conserve_volume,
+                 HeightMap& map) {
+  SAND_CHECK(residual_m.size() ==
+             static_cast<size_t>(rect.rows()) * static_cast<size_t>(rect.columns()));
   const auto for_each = [&](const auto& body) {
     size_t i = 0;
     for (int row = rect.row0; row < rect.row1; ++row) {
@@ -32,7 +34,8 @@ void AddResidual(const CellRect& rect, std::vector<double> residual_m, bool cons
   });
 }
 
-Surrogate::Surrogate(const SurrogateConfig& config, const Safetensors& parameters, const std::string& source)
+Surrogate::Surrogate(const SurrogateConfig& config, const Safetensors& parameters,
+                     const std::string& source)
     : config_(config), heightfield_(config.heightfield), net_(config.net, parameters, source) {}
 
 std::vector<Outcome> Surrogate::ApplyChecked(std::span<SandState> states,
@@ -46,16 +49,19 @@ std::vector<Outcome> Surrogate::ApplyChecked(std::span<SandState> states,
   return outcomes;
 }
 
-void Surrogate::Correct(const HeightMap& before, const ToolPath& path, SandState& state, Outcome& outcome) const {
+void Surrogate::Correct(const HeightMap& before, const ToolPath& path, SandState& state,
+                        Outcome& outcome) const {
   // A stroke that touches no sand changes none.
   if (outcome.moved_volume_m3 == 0) return;
-  const SurrogateInput input = EncodeStroke(before, state.map(), path, blade(), config_.net.multiple());
+  const SurrogateInput input =
+      EncodeStroke(before, state.map(), path, blade(), config_.net.multiple());
   if (input.window.empty()) return;
   const std::vector<float> residual = net_.Forward(input.channels, input.rows, input.columns);
   std::vector<double> residual_m;
   for (int row = 0; row < input.window.rows(); ++row) {
     for (int column = 0; column < input.window.columns(); ++column)
-      residual_m.push_back(kResidualScale_m * residual[static_cast<size_t>(row * input.columns + column)]);
+      residual_m.push_back(kResidualScale_m *
+                           residual[static_cast<size_t>(row * input.columns + column)]);
   }
   HeightMap map = state.map();
   AddResidual(input.window, std::move(residual_m), config_.conserve_volume, map);
@@ -69,8 +75,9 @@ Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads) {
   const Safetensors content = ReadSafetensors(file);
   const auto schema = content.metadata.find("schema");
   if (schema == content.metadata.end() || schema->second != "sandwright-surrogate")
-    throw Error(fmt::format("{}: not a surrogate (metadata schema is \"{}\"; expected sandwright-surrogate)",
-                            source, schema == content.metadata.end() ? "" : schema->second));
+    throw Error(fmt::format(
+        "{}: not a surrogate (metadata schema is \"{}\"; expected sandwright-surrogate)", source,
+        schema == content.metadata.end() ? "" : schema->second));
   SurrogateConfig config;
   nlohmann::json json;
   try {

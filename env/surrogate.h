@@ -11,15 +11,16 @@ namespace sandwright {
 
 // Everything that decides a prediction, kept in the model's file.
 struct SurrogateConfig {
-  double cell_size_m = 0.004;    // the cells it was trained on: it works on no others
-  bool conserve_volume = true;   // the net's correction adds and removes the same volume
-  int64_t threads = 1;           // for a batch of strokes
+  double cell_size_m = 0.004;   // the cells it was trained on: it works on no others
+  bool conserve_volume = true;  // the net's correction adds and removes the same volume
+  int64_t threads = 1;          // for a batch of strokes
   SurrogateNetConfig net;
   HeightfieldConfig heightfield;  // what the net was trained on top of, its blade included
 
   void Fields(FieldList& f) {
     f.Add("cell_size_m", cell_size_m, "cells of the maps [m]", 0.001, 0.05);
-    f.Add("conserve_volume", conserve_volume, "the net's correction adds and removes the same volume");
+    f.Add("conserve_volume", conserve_volume,
+          "the net's correction adds and removes the same volume");
     f.Add("threads", threads, "threads for a batch of strokes", 1, 1024);
     f.Section("net", net);
     f.Section("heightfield", heightfield);
@@ -35,7 +36,8 @@ struct SurrogateConfig {
 class Surrogate final : public SandModel {
  public:
   // The heightfield that is inside and the net; `source` names where they came from in messages.
-  Surrogate(const SurrogateConfig& config, const Safetensors& parameters, const std::string& source);
+  Surrogate(const SurrogateConfig& config, const Safetensors& parameters,
+            const std::string& source);
 
   std::string name() const override { return "surrogate"; }
   const Blade& blade() const override { return config_.heightfield.blade; }
@@ -47,7 +49,8 @@ class Surrogate final : public SandModel {
                                     std::span<const ToolPath> paths) const override;
 
  private:
-  void Correct(const HeightMap& before, const ToolPath& path, SandState& state, Outcome& outcome) const;
+  void Correct(const HeightMap& before, const ToolPath& path, SandState& state,
+               Outcome& outcome) const;
 
   SurrogateConfig config_;
   Heightfield heightfield_;
@@ -55,7 +58,8 @@ class Surrogate final : public SandModel {
 };
 
 // Adds `residual_m` (one value a cell of `rect`, row-major) to `map` under the rules above.
-void AddResidual(const CellRect& rect, std::vector<double> residual_m, bool conserve_volume, HeightMap& map);
+void AddResidual(const CellRect& rect, std::vector<double> residual_m, bool conserve_volume,
+                 HeightMap& map);
 
 // A file that `fit` wrote: metadata "schema" = "sandwright-surrogate" and "config" (the resolved
 // SurrogateConfig as JSON), and the net's tensors. Error naming the file and what is wrong.

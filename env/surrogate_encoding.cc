@@ -24,7 +24,8 @@ std::vector<PathPoint> Densify(const ToolPath& path, double step_m) {
   for (size_t i = 1; i < path.size(); ++i) {
     const BladePose &a = path[i - 1], &b = path[i];
     const double length_m = std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
-    const double parts = std::ceil(std::max(length_m / step_m, std::abs(b.yaw_rad - a.yaw_rad) / 0.1));
+    const double parts =
+        std::ceil(std::max(length_m / step_m, std::abs(b.yaw_rad - a.yaw_rad) / 0.1));
     for (int k = 1; k <= static_cast<int>(parts); ++k) {
       const double t = k / parts;
       add({a.x_m + t * (b.x_m - a.x_m), a.y_m + t * (b.y_m - a.y_m), a.z_m + t * (b.z_m - a.z_m),
@@ -32,8 +33,9 @@ std::vector<PathPoint> Densify(const ToolPath& path, double step_m) {
     }
   }
   for (size_t i = points.size() - 1; i-- > 0;)
-    points[i].remaining_m = points[i + 1].remaining_m + std::hypot(points[i + 1].x_m - points[i].x_m,
-                                                                   points[i + 1].y_m - points[i].y_m);
+    points[i].remaining_m =
+        points[i + 1].remaining_m +
+        std::hypot(points[i + 1].x_m - points[i].x_m, points[i + 1].y_m - points[i].y_m);
   return points;
 }
 
@@ -44,8 +46,9 @@ std::vector<float> LowestPassage(const std::vector<PathPoint>& points, const Cel
   const double half_width_m = blade.width_m / 2 + cell_m / 2;
   const double half_thickness_m = blade.thickness_m / 2 + cell_m / 2;
   const double reach_m = std::hypot(half_width_m, half_thickness_m);
-  std::vector<float> lowest(static_cast<size_t>(window.rows()) * static_cast<size_t>(window.columns()),
-                            std::numeric_limits<float>::infinity());
+  std::vector<float> lowest(
+      static_cast<size_t>(window.rows()) * static_cast<size_t>(window.columns()),
+      std::numeric_limits<float>::infinity());
   const auto first = [&](double low_m, int bound) {
     return std::max(static_cast<int>(std::floor(low_m / cell_m)), bound);
   };
@@ -53,15 +56,17 @@ std::vector<float> LowestPassage(const std::vector<PathPoint>& points, const Cel
     return std::min(static_cast<int>(std::ceil(high_m / cell_m)), bound);
   };
   for (const PathPoint& p : points) {
-    const int row1 = last(p.y_m + reach_m, window.row1), column1 = last(p.x_m + reach_m, window.column1);
+    const int row1 = last(p.y_m + reach_m, window.row1),
+              column1 = last(p.x_m + reach_m, window.column1);
     for (int row = first(p.y_m - reach_m, window.row0); row < row1; ++row) {
       for (int column = first(p.x_m - reach_m, window.column0); column < column1; ++column) {
         const double dx = (column + 0.5) * cell_m - p.x_m, dy = (row + 0.5) * cell_m - p.y_m;
         if (std::abs(dx * p.cos_yaw + dy * p.sin_yaw) > half_thickness_m ||
             std::abs(dy * p.cos_yaw - dx * p.sin_yaw) > half_width_m)
           continue;
-        float& z = lowest[static_cast<size_t>(row - window.row0) * static_cast<size_t>(window.columns()) +
-                          static_cast<size_t>(column - window.column0)];
+        float& z =
+            lowest[static_cast<size_t>(row - window.row0) * static_cast<size_t>(window.columns()) +
+                   static_cast<size_t>(column - window.column0)];
         z = std::min(z, static_cast<float>(p.z_m));
       }
     }
@@ -70,7 +75,8 @@ std::vector<float> LowestPassage(const std::vector<PathPoint>& points, const Cel
 }
 
 // The point nearest to (x, y); the later one of two equally near.
-const PathPoint& Nearest(const std::vector<PathPoint>& points, double x_m, double y_m, double& distance_m) {
+const PathPoint& Nearest(const std::vector<PathPoint>& points, double x_m, double y_m,
+                         double& distance_m) {
   const PathPoint* nearest = nullptr;
   double best = std::numeric_limits<double>::infinity();
   for (const PathPoint& p : points) {
@@ -91,8 +97,8 @@ double MeanHeight(const HeightMap& map, const CellRect& rect) {
 
 }  // namespace
 
-SurrogateInput EncodeStroke(const HeightMap& before, const HeightMap& predicted, const ToolPath& path,
-                            const Blade& blade, int multiple) {
+SurrogateInput EncodeStroke(const HeightMap& before, const HeightMap& predicted,
+                            const ToolPath& path, const Blade& blade, int multiple) {
   SAND_CHECK(before.SameGrid(predicted) && multiple > 0, multiple);
   SurrogateInput input;
   input.window = StrokeWindow(before, path);
@@ -111,7 +117,8 @@ SurrogateInput EncodeStroke(const HeightMap& before, const HeightMap& predicted,
   size_t cell = 0;
   for (int row = window.row0; row < window.row1; ++row) {
     for (int column = window.column0; column < window.column1; ++column, ++cell) {
-      const double x = (column + 0.5) * cell_m, y = (row + 0.5) * cell_m, h = before.At(row, column);
+      const double x = (column + 0.5) * cell_m, y = (row + 0.5) * cell_m,
+                   h = before.At(row, column);
       double distance_m;
       const PathPoint& nearest = Nearest(points, x, y, distance_m);
       const double near = std::exp(-distance_m / kNearFade_m);
@@ -133,8 +140,9 @@ SurrogateInput EncodeStroke(const HeightMap& before, const HeightMap& predicted,
           end_near,
           std::exp(-wall_m / kWallFade_m),
           (predicted.At(row, column) - h) / kChangeScale_m};
-      const size_t at = static_cast<size_t>(row - window.row0) * static_cast<size_t>(input.columns) +
-                        static_cast<size_t>(column - window.column0);
+      const size_t at =
+          static_cast<size_t>(row - window.row0) * static_cast<size_t>(input.columns) +
+          static_cast<size_t>(column - window.column0);
       for (size_t c = 0; c < values.size(); ++c)
         input.channels[c * plane + at] = static_cast<float>(values[c]);
     }

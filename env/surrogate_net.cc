@@ -24,9 +24,12 @@ struct Planes {
         plane(static_cast<size_t>(rows_ + 2) * static_cast<size_t>(stride)),
         values(static_cast<size_t>(channels) * plane, 0.0f) {}
   float* Row(int channel, int row) {
-    return &values[static_cast<size_t>(channel) * plane + static_cast<size_t>(row + 1) * static_cast<size_t>(stride) + 1];
+    return &values[static_cast<size_t>(channel) * plane +
+                   static_cast<size_t>(row + 1) * static_cast<size_t>(stride) + 1];
   }
-  const float* Row(int channel, int row) const { return const_cast<Planes*>(this)->Row(channel, row); }
+  const float* Row(int channel, int row) const {
+    return const_cast<Planes*>(this)->Row(channel, row);
+  }
 
   int rows, columns, stride;
   size_t plane;
@@ -36,9 +39,9 @@ struct Planes {
 // One row block: out[c][x] = relu(bias[c] + sum over in, 3 x 3) for four channels and kColumnBlock
 // columns. `in` points at the upper left neighbour in the first input plane. Built for several
 // instruction sets; the loader takes the best that the machine has.
-__attribute__((target_clones("arch=haswell", "default")))
-void ConvolveBlock(const float* in, int in_channels, size_t in_plane, int in_stride, const float* weights,
-                   const float* bias, float* const* out) {
+__attribute__((target_clones("arch=haswell", "default"))) void ConvolveBlock(
+    const float* in, int in_channels, size_t in_plane, int in_stride, const float* weights,
+    const float* bias, float* const* out) {
   float sum0[kColumnBlock], sum1[kColumnBlock], sum2[kColumnBlock], sum3[kColumnBlock];
   for (int x = 0; x < kColumnBlock; ++x) {
     sum0[x] = bias[0];
@@ -80,8 +83,8 @@ void Convolve(const Planes& in, int in_channels, const std::vector<float>& weigh
         for (int c = 0; c < kChannelBlock; ++c)
           rows[c] = out.Row(first + block * kChannelBlock + c, row) + column;
         ConvolveBlock(in.Row(0, row - 1) + column - 1, in_channels, in.plane, in.stride,
-                      &weights[static_cast<size_t>(block) * block_weights], &bias[static_cast<size_t>(block * kChannelBlock)],
-                      rows);
+                      &weights[static_cast<size_t>(block) * block_weights],
+                      &bias[static_cast<size_t>(block * kChannelBlock)], rows);
       }
       // What the last block wrote behind the row's end is border again.
       for (int c = 0; c < kChannelBlock; ++c) {
@@ -119,7 +122,8 @@ void Upsample(const Planes& in, int channels, Planes& out, int first) {
 
 std::vector<ConvShape> SurrogateLayers(const SurrogateNetConfig& config) {
   if (config.base_channels % kChannelBlock != 0)
-    throw Error(fmt::format("base_channels = {}; must be a multiple of {}", config.base_channels, kChannelBlock));
+    throw Error(fmt::format("base_channels = {}; must be a multiple of {}", config.base_channels,
+                            kChannelBlock));
   const auto width = [&](int level) { return static_cast<int>(config.base_channels) << level; };
   const int poolings = static_cast<int>(config.poolings);
   std::vector<ConvShape> layers;
@@ -136,7 +140,8 @@ std::vector<ConvShape> SurrogateLayers(const SurrogateNetConfig& config) {
   return layers;
 }
 
-SurrogateNet::SurrogateNet(const SurrogateNetConfig& config, const Safetensors& file, const std::string& source)
+SurrogateNet::SurrogateNet(const SurrogateNetConfig& config, const Safetensors& file,
+                           const std::string& source)
     : config_(config) {
   const auto take = [&](const std::string& name, const std::vector<int64_t>& shape) {
     const NamedTensor& tensor = file.Tensor(name, source);
@@ -155,16 +160,19 @@ SurrogateNet::SurrogateNet(const SurrogateNetConfig& config, const Safetensors& 
       const size_t per_channel = static_cast<size_t>(shape.in) * 9;
       for (size_t i = 0; i < given.size(); ++i) {
         const size_t out = i / per_channel, rest = i % per_channel;
-        layer.weights[(out / kChannelBlock * per_channel + rest) * kChannelBlock + out % kChannelBlock] = given[i];
+        layer.weights[(out / kChannelBlock * per_channel + rest) * kChannelBlock +
+                      out % kChannelBlock] = given[i];
       }
     }
     layers_.push_back(std::move(layer));
   }
 }
 
-std::vector<float> SurrogateNet::Forward(std::span<const float> channels, int rows, int columns) const {
+std::vector<float> SurrogateNet::Forward(std::span<const float> channels, int rows,
+                                         int columns) const {
   SAND_CHECK(rows % config_.multiple() == 0 && columns % config_.multiple() == 0, rows, columns);
-  SAND_CHECK(channels.size() == static_cast<size_t>(kSurrogateChannelCount) * static_cast<size_t>(rows) * static_cast<size_t>(columns));
+  SAND_CHECK(channels.size() == static_cast<size_t>(kSurrogateChannelCount) *
+                                    static_cast<size_t>(rows) * static_cast<size_t>(columns));
   const int poolings = static_cast<int>(config_.poolings);
   const auto width = [&](int level) { return static_cast<int>(config_.base_channels) << level; };
   size_t next = 0;
@@ -185,7 +193,8 @@ std::vector<float> SurrogateNet::Forward(std::span<const float> channels, int ro
     Planes first(width(level), current.rows, current.columns);
     convolve(current, first);
     const bool bottom = level == poolings;
-    Planes second(bottom ? width(level) : width(level) + width(level + 1), first.rows, first.columns);
+    Planes second(bottom ? width(level) : width(level) + width(level + 1), first.rows,
+                  first.columns);
     convolve(first, second);
     if (bottom) {
       current = std::move(second);
@@ -204,7 +213,8 @@ std::vector<float> SurrogateNet::Forward(std::span<const float> channels, int ro
     current = std::move(second);
   }
   const Layer& head = layers_[next];
-  std::vector<float> residual(static_cast<size_t>(rows) * static_cast<size_t>(columns), head.bias[0]);
+  std::vector<float> residual(static_cast<size_t>(rows) * static_cast<size_t>(columns),
+                              head.bias[0]);
   for (int c = 0; c < head.shape.in; ++c) {
     for (int row = 0; row < rows; ++row) {
       const float* from = current.Row(c, row);

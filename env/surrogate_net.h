@@ -44,7 +44,8 @@ class SurrogateNet {
  public:
   // Takes the parameters out of `file`; Error naming `source` and the tensor that is missing, of
   // another shape or not finite.
-  SurrogateNet(const SurrogateNetConfig& config, const Safetensors& file, const std::string& source);
+  SurrogateNet(const SurrogateNetConfig& config, const Safetensors& file,
+               const std::string& source);
 
   const SurrogateNetConfig& config() const { return config_; }
   // channels [kSurrogateChannelCount, rows, columns] -> residual [rows, columns]; rows and columns

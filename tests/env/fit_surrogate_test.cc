@@ -16,8 +16,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-// Two strokes on a flat bed whose truth is the heightfield's prediction, half as far: something that
-// a net can learn.
+// Two strokes on a flat bed whose truth is the heightfield's prediction, half as far: something
+// that a net can learn.
 std::filesystem::path WriteBed(const std::string& bed, double y_m, const Blade& blade = {}) {
   StrokeFile file;
   file.source = "heightfield";
@@ -73,7 +73,8 @@ TEST(FitSurrogate, LearnsWhatTheHeightfieldGetsWrongAndPredictsAsInTraining) {
     const CellRect window = StrokeWindow(record.before, record.path);
     for (int row = window.row0; row < window.row1; ++row) {
       for (int column = window.column0; column < window.column1; ++column, ++cells)
-        squared_mm2 += std::pow(1e3 * (state[0].map().At(row, column) - record.after.At(row, column)), 2);
+        squared_mm2 +=
+            std::pow(1e3 * (state[0].map().At(row, column) - record.after.At(row, column)), 2);
     }
   }
   EXPECT_NEAR(std::sqrt(squared_mm2 / cells), report.validation_rmse_mm.value(), 1e-3);
@@ -83,7 +84,9 @@ TEST(FitSurrogate, SameSeedSameBytes) {
   const FitRequest request{{WriteBed("a", 0.10)}, {}, {}, 5, 1};
   FitRequest other = request;
   other.seed = 6;
-  const auto head = [&](const FitRequest& r) { return FitSurrogate(SmallFit(3), r).model.tensors.at("up0a.weight").values; };
+  const auto head = [&](const FitRequest& r) {
+    return FitSurrogate(SmallFit(3), r).model.tensors.at("up0a.weight").values;
+  };
   EXPECT_EQ(head(request), head(request));
   EXPECT_NE(head(request), head(other));
 }
@@ -94,28 +97,41 @@ TEST(FitSurrogate, ContinuesFromAnotherAndNamesTheBatchThatBreaks) {
   request.init = Save(first.model, "first.safetensors");
   FitConfig gentle = SmallFit(1);
   gentle.learning_rate = 1e-6;
-  EXPECT_NEAR(FitSurrogate(gentle, request).train_rmse_mm, first.train_rmse_mm, 0.3 * first.train_rmse_mm);
+  EXPECT_NEAR(FitSurrogate(gentle, request).train_rmse_mm, first.train_rmse_mm,
+              0.3 * first.train_rmse_mm);
   for (float& w : first.model.tensors["down0a.weight"].values) w = 3e38f;
   request.init = Save(first.model, "broken.safetensors");
   EXPECT_THAT([&] { FitSurrogate(SmallFit(1), request); },
-              ThrowsMessage<Error>(::testing::AllOf(HasSubstr("not finite in epoch 1, batch 1"), HasSubstr("fit_a.h5, stroke"))));
+              ThrowsMessage<Error>(::testing::AllOf(HasSubstr("not finite in epoch 1, batch 1"),
+                                                    HasSubstr("fit_a.h5, stroke"))));
   FitConfig wider = SmallFit(1);
   wider.surrogate.net.base_channels = 12;
-  EXPECT_THAT([&] { FitSurrogate(wider, request); }, ThrowsMessage<Error>(HasSubstr("another shape")));
+  EXPECT_THAT([&] { FitSurrogate(wider, request); },
+              ThrowsMessage<Error>(HasSubstr("another shape")));
 }
 
 TEST(FitSurrogate, RefusesABedInBothSetsAndAnotherBlade) {
   const auto bed = WriteBed("a", 0.10);
-  EXPECT_THAT([&] { FitSurrogate(SmallFit(1), {{bed}, {bed}, {}, 1, 1}); },
-              ThrowsMessage<Error>(HasSubstr("bed 'a' is in both")));
+  EXPECT_THAT(
+      [&] {
+        FitSurrogate(SmallFit(1), {{bed}, {bed}, {}, 1, 1});
+      },
+      ThrowsMessage<Error>(HasSubstr("bed 'a' is in both")));
   Blade wide;
   wide.width_m = 0.07;
   const auto other = WriteBed("wide", 0.10, wide);
-  EXPECT_THAT([&] { FitSurrogate(SmallFit(1), {{other}, {}, {}, 1, 1}); },
-              ThrowsMessage<Error>(HasSubstr("the blade is 0.07 x 0.005 m")));
+  EXPECT_THAT(
+      [&] {
+        FitSurrogate(SmallFit(1), {{other}, {}, {}, 1, 1});
+      },
+      ThrowsMessage<Error>(HasSubstr("the blade is 0.07 x 0.005 m")));
   FitConfig odd = SmallFit(1);
   odd.surrogate.cell_size_m = 0.007;
-  EXPECT_THAT([&] { FitSurrogate(odd, {{bed}, {}, {}, 1, 1}); }, ThrowsMessage<Error>(HasSubstr("cell_size_m = 0.007")));
+  EXPECT_THAT(
+      [&] {
+        FitSurrogate(odd, {{bed}, {}, {}, 1, 1});
+      },
+      ThrowsMessage<Error>(HasSubstr("cell_size_m = 0.007")));
 }
 
 TEST(FitSurrogateDeathTest, AStopBeforeTheFirstEpochLeavesNothing) {

@@ -22,7 +22,7 @@ TEST(StrokeWindow, GrowsByTheMarginAndFurtherAhead) {
   EXPECT_EQ(window.column0, 32);  // 0.400 - 0.075 = 0.325: the cell from 0.32
   EXPECT_EQ(window.column1, 72);  // 0.600 + 0.120
   EXPECT_EQ(window.row0, 32);
-  EXPECT_EQ(window.row1, 48);     // 0.475: the cell to 0.48
+  EXPECT_EQ(window.row1, 48);  // 0.475: the cell to 0.48
 }
 
 TEST(StrokeWindow, IsClippedToTheBox) {
@@ -38,7 +38,7 @@ TEST(StrokeWindow, IsClippedToTheBox) {
 TEST(Score, HandNumbers) {
   const HeightMap before(40, 60, kCell_m, 0.05f);
   HeightMap truth = before, prediction = before;
-  truth.At(20, 20) += 0.010f;       // error 4 mm, change 10 mm
+  truth.At(20, 20) += 0.010f;  // error 4 mm, change 10 mm
   prediction.At(20, 20) += 0.006f;
   prediction.At(20, 25) -= 0.003f;  // error 3 mm, change 0
   const ToolPath path = StraightPath(0.2, 0.3, 0.2);
@@ -93,7 +93,8 @@ TEST(Score, UnseenCellsDoNotCount) {
 
 TEST(Score, MeansPoolCellsAndTheModeFollowsTheCrowd) {
   std::vector<StrokeScore> strokes(3);
-  for (StrokeScore& s : strokes) s.cells = 100, s.squared_mm2 = 100, s.absolute_mm = 80, s.max_abs_mm = 5;
+  for (StrokeScore& s : strokes)
+    s.cells = 100, s.squared_mm2 = 100, s.absolute_mm = 80, s.max_abs_mm = 5;
   strokes[2].cells = 300;
   strokes[2].squared_mm2 = 2700;  // RMSE 3
   strokes[2].max_abs_mm = 11;
@@ -116,8 +117,8 @@ TEST(NoiseFloor, HalfTheSquaredDifferenceOfReplicates) {
   const HeightMap before(40, 60, kCell_m, 0.05f);
   HeightMap a = before, b = before;
   a.At(20, 20) -= 0.006f;
-  b.At(20, 20) -= 0.004f;    // changed in both, 2 mm apart: 2 mm^2
-  a.At(20, 22) += 0.0005f;   // changed in neither: does not count
+  b.At(20, 20) -= 0.004f;   // changed in both, 2 mm apart: 2 mm^2
+  a.At(20, 22) += 0.0005f;  // changed in neither: does not count
   NoiseFloor floor;
   EXPECT_DOUBLE_EQ(floor.rmse_mm(), 0);
   floor.Add(before, a, before, b, StraightPath(0.2, 0.3, 0.2));

@@ -36,7 +36,8 @@ Safetensors RandomParameters(const SurrogateNetConfig& config, float head_bias) 
     for (int i = 0; i < shape.out * shape.in * shape.size * shape.size; ++i)
       weight.values.push_back(static_cast<float>(0.3 * stream.Normal()));
     file.tensors[shape.name + ".weight"] = weight;
-    file.tensors[shape.name + ".bias"] = {{shape.out}, std::vector<float>(static_cast<size_t>(shape.out), head_bias)};
+    file.tensors[shape.name + ".bias"] = {
+        {shape.out}, std::vector<float>(static_cast<size_t>(shape.out), head_bias)};
   }
   return file;
 }
@@ -45,14 +46,17 @@ HeightMap Bumpy(int rows, int columns) {
   HeightMap map(rows, columns, 0.004, 0.05f);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column)
-      map.At(row, column) += 0.006f * std::sin(0.13f * static_cast<float>(column)) * std::cos(0.1f * static_cast<float>(row));
+      map.At(row, column) += 0.006f * std::sin(0.13f * static_cast<float>(column)) *
+                             std::cos(0.1f * static_cast<float>(row));
   }
   return map;
 }
 
 Stroke Curve() { return {{{0.06, 0.08, 0.035}, {0.15, 0.19, 0.03}, {0.22, 0.10, 0.04}}, 2, 0.1}; }
 
-double Volume(const HeightMap& map) { return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0); }
+double Volume(const HeightMap& map) {
+  return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0);
+}
 
 HeightMap Apply(const SandModel& model, const HeightMap& map, const Stroke& stroke) {
   std::vector<SandState> states{SandState(map)};
@@ -61,8 +65,8 @@ HeightMap Apply(const SandModel& model, const HeightMap& map, const Stroke& stro
 }
 
 // The formula of the header, cell by cell.
-double Convolved(const std::vector<float>& in, int channels, int rows, int columns, const NamedTensor& w,
-                 int out, int row, int column) {
+double Convolved(const std::vector<float>& in, int channels, int rows, int columns,
+                 const NamedTensor& w, int out, int row, int column) {
   double sum = 0;
   for (int c = 0; c < channels; ++c) {
     for (int ky = 0; ky < 3; ++ky) {
@@ -90,8 +94,10 @@ TEST(SurrogateNet, MatchesTheFormulaOfItsConvolutions) {
     std::vector<float> out;
     for (int o = 0; o < 4; ++o) {
       for (int i = 0; i < rows * columns; ++i)
-        out.push_back(static_cast<float>(std::max(
-            0.1 + Convolved(x, channels, rows, columns, file.tensors.at(name + ".weight"), o, i / columns, i % columns), 0.0)));
+        out.push_back(static_cast<float>(
+            std::max(0.1 + Convolved(x, channels, rows, columns, file.tensors.at(name + ".weight"),
+                                     o, i / columns, i % columns),
+                     0.0)));
     }
     return out;
   };
@@ -109,13 +115,15 @@ TEST(SurrogateNet, RefusesForeignParameters) {
   const SurrogateNetConfig config = SmallConfig().net;
   Safetensors file = RandomParameters(config, 0);
   file.tensors["down1a.bias"].values[0] = NAN;
-  EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); },
-              ThrowsMessage<Error>(HasSubstr("tensor down1a.bias holds a value that is not finite")));
+  EXPECT_THAT(
+      [&] { SurrogateNet(config, file, "model.safetensors"); },
+      ThrowsMessage<Error>(HasSubstr("tensor down1a.bias holds a value that is not finite")));
   file.tensors["down1a.bias"] = {{3}, {0, 0, 0}};
   EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); },
               ThrowsMessage<Error>(HasSubstr("down1a.bias has shape [3]; expected [8]")));
   file.tensors.erase("down1a.bias");
-  EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); }, ThrowsMessage<Error>(HasSubstr("down1a.bias")));
+  EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); },
+              ThrowsMessage<Error>(HasSubstr("down1a.bias")));
   SurrogateNetConfig odd;
   odd.base_channels = 6;
   EXPECT_THAT([&] { SurrogateLayers(odd); }, ThrowsMessage<Error>(HasSubstr("multiple of 4")));
@@ -134,9 +142,11 @@ TEST(Surrogate, BeyondTheWindowIsTheHeightfield) {
   const SurrogateConfig config = SmallConfig();
   const HeightMap bed(100, 150, 0.004, 0.05f);
   const Stroke stroke = Curve();
-  const HeightMap learned = Apply(Surrogate(config, RandomParameters(config.net, 0.1f), "test"), bed, stroke);
+  const HeightMap learned =
+      Apply(Surrogate(config, RandomParameters(config.net, 0.1f), "test"), bed, stroke);
   const HeightMap plain = Apply(Heightfield(config.heightfield), bed, stroke);
-  const CellRect window = StrokeWindow(bed, SamplePath(stroke, 0.002)), changed = ChangedBounds(plain, learned, 0);
+  const CellRect window = StrokeWindow(bed, SamplePath(stroke, 0.002)),
+                 changed = ChangedBounds(plain, learned, 0);
   EXPECT_FALSE(changed.empty());
   EXPECT_EQ(Union(window, changed).rows(), window.rows());
   EXPECT_EQ(Union(window, changed).columns(), window.columns());
@@ -178,8 +188,10 @@ TEST(Surrogate, BatchOrderAndThreadsDoNotMatter) {
   const Surrogate one(config, parameters, "test");
   config.threads = config.heightfield.threads = 3;
   const Surrogate three(config, parameters, "test");
-  const std::vector<Stroke> strokes = {Curve(), {{{0.05, 0.05, 0.03}, {0.2, 0.2, 0.03}}, 1, 0.1}, Curve()};
-  std::vector<SandState> states = {SandState(Bumpy(75, 75)), SandState(Bumpy(90, 60)), SandState(Bumpy(60, 90))};
+  const std::vector<Stroke> strokes = {
+      Curve(), {{{0.05, 0.05, 0.03}, {0.2, 0.2, 0.03}}, 1, 0.1}, Curve()};
+  std::vector<SandState> states = {SandState(Bumpy(75, 75)), SandState(Bumpy(90, 60)),
+                                   SandState(Bumpy(60, 90))};
   std::vector<SandState> again = states;
   const std::vector<Outcome> outcomes = one.Apply(states, strokes);
   three.Apply(again, strokes);
@@ -202,7 +214,8 @@ TEST(Surrogate, RefusesOtherCellsAndLeavesTheStateAlone) {
   const SurrogateConfig config = SmallConfig();
   const Surrogate model(config, RandomParameters(config.net, 0.1f), "test");
   const HeightMap bed(30, 30, 0.01, 0.05f);
-  EXPECT_THAT([&] { Apply(model, bed, Curve()); }, ThrowsMessage<Error>(HasSubstr("works on cells of 0.004 m")));
+  EXPECT_THAT([&] { Apply(model, bed, Curve()); },
+              ThrowsMessage<Error>(HasSubstr("works on cells of 0.004 m")));
 }
 
 TEST(SurrogateEncoding, TurnsWithTheSquare) {
@@ -232,13 +245,15 @@ TEST(SurrogateEncoding, TurnsWithTheSquare) {
       if (symmetry & 2) p.y_m = side - p.y_m, p.yaw_rad = -p.yaw_rad;
       if (symmetry & 4) std::swap(p.x_m, p.y_m), p.yaw_rad = pi / 2 - p.yaw_rad;
     }
-    const SurrogateInput direct = EncodeStroke(turn_map(bed), turn_map(state[0].map()), turned, Blade{}, 1);
+    const SurrogateInput direct =
+        EncodeStroke(turn_map(bed), turn_map(state[0].map()), turned, Blade{}, 1);
     const SurrogateInput by_copy = ApplySymmetry(sample, symmetry).input;
     ASSERT_EQ(direct.rows, by_copy.rows);
     ASSERT_EQ(direct.columns, by_copy.columns);
     // Cells on the edge of the blade's footprint may fall on either side by rounding.
     size_t different = 0;
-    for (size_t i = 0; i < direct.channels.size(); ++i) different += std::abs(direct.channels[i] - by_copy.channels[i]) > 1e-3f;
+    for (size_t i = 0; i < direct.channels.size(); ++i)
+      different += std::abs(direct.channels[i] - by_copy.channels[i]) > 1e-3f;
     EXPECT_LT(different, direct.channels.size() / 1000) << "symmetry " << symmetry;
   }
 }
@@ -270,12 +285,16 @@ TEST(LoadSandModel, NamesAndRefusals) {
   HeightfieldConfig wide;
   wide.blade.width_m = 0.08;
   EXPECT_DOUBLE_EQ(LoadSandModel("none", wide)->blade().width_m, 0.08);
-  EXPECT_THAT([] { LoadSandModel("dem", {}); }, ThrowsMessage<Error>(HasSubstr("does not run in this version")));
-  EXPECT_THAT([] { LoadSandModel("sand", {}); }, ThrowsMessage<Error>(HasSubstr("unknown sand model 'sand'")));
-  EXPECT_THAT([] { LoadSandModel("missing.safetensors", {}); }, ThrowsMessage<Error>(HasSubstr("missing.safetensors")));
+  EXPECT_THAT([] { LoadSandModel("dem", {}); },
+              ThrowsMessage<Error>(HasSubstr("does not run in this version")));
+  EXPECT_THAT([] { LoadSandModel("sand", {}); },
+              ThrowsMessage<Error>(HasSubstr("unknown sand model 'sand'")));
+  EXPECT_THAT([] { LoadSandModel("missing.safetensors", {}); },
+              ThrowsMessage<Error>(HasSubstr("missing.safetensors")));
   const auto path = std::filesystem::path(::testing::TempDir()) / "foreign.safetensors";
   WriteSafetensors(RandomParameters(SmallConfig().net, 0), path);
-  EXPECT_THAT([&] { LoadSandModel(path.string(), {}); }, ThrowsMessage<Error>(HasSubstr("not a surrogate")));
+  EXPECT_THAT([&] { LoadSandModel(path.string(), {}); },
+              ThrowsMessage<Error>(HasSubstr("not a surrogate")));
 }
 
 }  // namespace
