@@ -7,7 +7,7 @@ PYTHON ?= .venv/bin/python
 PRESET ?= release
 JOBS ?= $(shell nproc)
 
-.PHONY: setup build test demo bench clean
+.PHONY: setup build test demo clean
 .DEFAULT_GOAL := build
 
 # Debian packages that are missing (sudo where not root), then the pinned wheels.
@@ -23,9 +23,6 @@ test: build
 
 demo: build
 	@build/sandwright demo --out demo_out
-
-bench: build
-	@build/tests/benchmarks
 
 clean:
 	rm -rf build
