@@ -7,11 +7,7 @@
 #include <numeric>
 
 #include "data/base/random.h"
-#include "data/excavation.h"
 #include "env/fit_samples.h"
-#include "env/load_sand_model.h"
-#include "env/score_model.h"
-#include "env/terrain_generator.h"
 
 namespace sandwright {
 namespace {
@@ -256,45 +252,6 @@ TEST(SurrogateEncoding, TurnsWithTheSquare) {
       different += std::abs(direct.channels[i] - by_copy.channels[i]) > 1e-3f;
     EXPECT_LT(different, direct.channels.size() / 1000) << "symmetry " << symmetry;
   }
-}
-
-// The model that ships, on the bed that it was not trained on.
-TEST(DefaultSurrogate, BeatsTheHeightfieldOnGrains) {
-  const std::vector<std::filesystem::path> bed = {SANDWRIGHT_ROOT "/data/strokes/dem/bed_504.h5"};
-  const ScoreSummary learned = ScoreModel(*LoadSandModel("default", {}), bed, {}).Total();
-  const ScoreSummary plain = ScoreModel(Heightfield(), bed, {}).Total();
-  EXPECT_GT(learned.r2_change.value(), plain.r2_change.value() + 0.02);
-  EXPECT_LT(learned.mae_mm.value(), plain.mae_mm.value() - 0.1);
-}
-
-TEST(DefaultSurrogate, StaysSaneOverFiftyStrokes) {
-  const auto model = LoadSandModel("default", {});
-  RandomStream stream(1);
-  SandState state(GenerateTerrain({}, 75, 75, 0.004, stream));
-  const double volume = Volume(state.map());
-  for (int i = 0; i < 50; ++i) {
-    const Stroke stroke = DrawStroke({}, state.map(), stream);
-    model->Apply(std::span(&state, 1), std::span(&stroke, 1));
-    for (float h : state.map().height_m) ASSERT_TRUE(h >= 0 && h < 0.15f) << "stroke " << i;
-  }
-  EXPECT_NEAR(Volume(state.map()), volume, 1e-4 * volume);
-}
-
-TEST(LoadSandModel, NamesAndRefusals) {
-  EXPECT_EQ(LoadSandModel("heightfield", {})->name(), "heightfield");
-  HeightfieldConfig wide;
-  wide.blade.width_m = 0.08;
-  EXPECT_DOUBLE_EQ(LoadSandModel("none", wide)->blade().width_m, 0.08);
-  EXPECT_THAT([] { LoadSandModel("dem", {}); },
-              ThrowsMessage<Error>(HasSubstr("does not run in this version")));
-  EXPECT_THAT([] { LoadSandModel("sand", {}); },
-              ThrowsMessage<Error>(HasSubstr("unknown sand model 'sand'")));
-  EXPECT_THAT([] { LoadSandModel("missing.safetensors", {}); },
-              ThrowsMessage<Error>(HasSubstr("missing.safetensors")));
-  const auto path = std::filesystem::path(::testing::TempDir()) / "foreign.safetensors";
-  WriteSafetensors(RandomParameters(SmallConfig().net, 0), path);
-  EXPECT_THAT([&] { LoadSandModel(path.string(), {}); },
-              ThrowsMessage<Error>(HasSubstr("not a surrogate")));
 }
 
 }  // namespace
