@@ -12,7 +12,10 @@ namespace {
 class CollectCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--source", source_, "who moves the sand: heightfield (dem, simulated and rig: later versions)");
+    app.add_option("--source", request_.source,
+                   "who moves the sand: heightfield or dem (grains, needs LAMMPS)")
+        ->check(CLI::IsMember({"heightfield", "dem"}))
+        ->capture_default_str();
     app.add_option("--strokes", request_.strokes, "strokes in all, with those that exist")->required();
     app.add_option("--sequence", request_.sequence, "strokes a bed (default: 10 with a folder, all with a file)");
     app.add_option("--out", out_, "folder (one file a bed) or one .h5 file; what exists is continued")->required();
@@ -20,8 +23,6 @@ class CollectCommand final : public Command {
   void Fields(FieldList& f) override { config_.Fields(f); }
 
   int Run() override {
-    if (source_ != "heightfield")
-      throw Error(fmt::format("--source {}: not available in this version; allowed: heightfield", source_));
     request_.out = out_;
     if (request_.sequence == 0) request_.sequence = request_.out.extension() == ".h5" ? request_.strokes : 10;
     request_.seed = seed();
@@ -29,7 +30,7 @@ class CollectCommand final : public Command {
     const Collected collected = Collect(config_, request_);
     fmt::print("{} strokes in {}, {} of them new\n", collected.strokes, out_, collected.added);
     ThrowIfStopRequested();
-    WriteResult({{"source", source_},
+    WriteResult({{"source", request_.source},
                  {"strokes", collected.strokes},
                  {"strokes_added", collected.added},
                  {"sequence", request_.sequence},
@@ -40,7 +41,7 @@ class CollectCommand final : public Command {
  private:
   CollectConfig config_;
   CollectRequest request_;
-  std::string source_ = "heightfield", out_;
+  std::string out_;
 };
 
 }  // namespace

@@ -13,16 +13,25 @@
 
 namespace sandwright {
 
-// The explicit state of one bed. Cheap to copy: the map is shared until one copy is changed, so a
-// planner may hold thousands.
+struct GrainBed;
+
+// The explicit state of one bed. Cheap to copy: what it holds is shared until one copy is changed, so
+// a planner may hold thousands.
 class SandState {
  public:
-  explicit SandState(HeightMap map) : map_(std::make_shared<const HeightMap>(std::move(map))) {}
+  explicit SandState(HeightMap map, std::shared_ptr<const GrainBed> grains = nullptr)
+      : map_(std::make_shared<const HeightMap>(std::move(map))), grains_(std::move(grains)) {}
   const HeightMap& map() const { return *map_; }
-  void Replace(HeightMap map) { map_ = std::make_shared<const HeightMap>(std::move(map)); }
+  // What model `dem` keeps; null in a state of another model.
+  const std::shared_ptr<const GrainBed>& grains() const { return grains_; }
+  void Replace(HeightMap map, std::shared_ptr<const GrainBed> grains = nullptr) {
+    map_ = std::make_shared<const HeightMap>(std::move(map));
+    grains_ = std::move(grains);
+  }
 
  private:
   std::shared_ptr<const HeightMap> map_;
+  std::shared_ptr<const GrainBed> grains_;
 };
 
 // What one stroke did to one state.
@@ -44,6 +53,12 @@ class SandModel {
   virtual const Blade& blade() const = 0;
   // The cell size the model is bound to [m]; none: works on any.
   virtual std::optional<double> cell_size_m() const { return std::nullopt; }
+
+  // A bed for this model to work on. A model of grains fills a box whose surface comes near to
+  // `terrain`, another packing for another seed; for others the terrain is the bed.
+  virtual SandState Start(HeightMap terrain, uint64_t /*seed*/) const {
+    return SandState(std::move(terrain));
+  }
 
   // Applies paths[i] to states[i] in place, each independently of the others; the same bytes for any
   // thread count and batch order. Throws Error (NaN, wrong cell size, empty path) before anything

@@ -1,10 +1,13 @@
 #include "env/terrain_generator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "env/avalanche.h"
+#include "env/goals.h"
 
 namespace sandwright {
 namespace {
@@ -33,18 +36,53 @@ void AddNoise(double size_m, double amplitude, RandomStream& stream, HeightMap& 
   }
 }
 
-// Shifts and scales the heights to a mean and a standard deviation, none below a fifth of the mean.
-void Normalise(double mean_m, double deviation_m, HeightMap& map) {
-  const auto count = static_cast<double>(map.size());
-  const double mean = std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0) / count;
-  double square = 0, lowest = 0;
-  for (const float h : map.height_m) {
-    square += (h - mean) * (h - mean);
-    lowest = std::min(lowest, h - mean);
-  }
-  double scale = square > 0 ? deviation_m / std::sqrt(square / count) : 0;
-  if (-lowest * scale > 0.8 * mean_m) scale = 0.8 * mean_m / -lowest;
+double Mean(const HeightMap& map) {
+  return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0) / static_cast<double>(map.size());
+}
+
+// Scales the heights about their mean to a standard deviation.
+void ScaleTo(double deviation_m, HeightMap& map) {
+  const double mean = Mean(map);
+  double square = 0;
+  for (const float h : map.height_m) square += (h - mean) * (h - mean);
+  const double scale = square > 0 ? deviation_m / std::sqrt(square / static_cast<double>(map.size())) : 0;
+  for (float& h : map.height_m) h = static_cast<float>(scale * (h - mean));
+}
+
+// Shifts the heights to a mean, and scales them where a cell would lie below a fifth of it.
+void ShiftTo(double mean_m, HeightMap& map) {
+  const double mean = Mean(map);
+  const double lowest = *std::ranges::min_element(map.height_m) - mean;
+  const double scale = -lowest > 0.8 * mean_m ? 0.8 * mean_m / -lowest : 1;
   for (float& h : map.height_m) h = static_cast<float>(mean_m + scale * (h - mean));
+}
+
+void AddShape(double largest_m, RandomStream& stream, HeightMap& map) {
+  constexpr std::array kKinds = {GoalKind::kMound, GoalKind::kCrater, GoalKind::kTrench, GoalKind::kRidge};
+  GoalShape shape;
+  shape.kind = kKinds[stream.Index(kKinds.size())];
+  shape.x_m = stream.Uniform(0, map.width_m());
+  shape.y_m = stream.Uniform(0, map.depth_m());
+  shape.heading_rad = stream.Uniform(-std::numbers::pi, std::numbers::pi);
+  shape.half_length_m = stream.Uniform(0.1, 0.4) * std::min(map.width_m(), map.depth_m());
+  shape.half_width_m = stream.Uniform(0, 0.03);
+  shape.rise_m = stream.Uniform(0.3, 1) * largest_m;
+  shape.slope = stream.Uniform(0.3, 0.6);
+  for (int row = 0; row < map.rows; ++row) {
+    for (int column = 0; column < map.columns; ++column)
+      map.At(row, column) += static_cast<float>(
+          ShapeHeight(shape, (column + 0.5) * map.cell_size_m, (row + 0.5) * map.cell_size_m));
+  }
+}
+
+void AddTilt(double largest_deg, RandomStream& stream, HeightMap& map) {
+  const double slope = std::tan(stream.Uniform(0, largest_deg) * std::numbers::pi / 180);
+  const double azimuth = stream.Uniform(-std::numbers::pi, std::numbers::pi);
+  for (int row = 0; row < map.rows; ++row) {
+    for (int column = 0; column < map.columns; ++column)
+      map.At(row, column) += static_cast<float>(
+          slope * map.cell_size_m * (column * std::cos(azimuth) + row * std::sin(azimuth)));
+  }
 }
 
 }  // namespace
@@ -62,7 +100,10 @@ HeightMap GenerateTerrain(const TerrainConfig& config, int rows, int columns, do
     size_m /= 2;
     amplitude *= config.persistence;
   }
-  Normalise(config.mean_depth_m, config.amplitude_m, map);
+  ScaleTo(config.amplitude_m, map);
+  for (int64_t i = 0; i < config.shapes; ++i) AddShape(config.shape_height_m, stream, map);
+  if (config.tilt_deg > 0) AddTilt(config.tilt_deg, stream, map);
+  ShiftTo(config.mean_depth_m, map);
   RelaxToRepose(map, config.repose_deg);
   return map;
 }

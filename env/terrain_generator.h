@@ -13,6 +13,9 @@ struct TerrainConfig {
   double longest_m = 0.15;
   int64_t scales = 3;
   double persistence = 0.5;
+  int64_t shapes = 0;
+  double shape_height_m = 0.02;
+  double tilt_deg = 0;
   double repose_deg = 33;
 
   void Fields(FieldList& f) {
@@ -21,11 +24,14 @@ struct TerrainConfig {
     f.Add("longest_m", longest_m, "size of the largest hills [m]", 0.01, 5);
     f.Add("scales", scales, "number of scales, each half the one before", 1, 8);
     f.Add("persistence", persistence, "amplitude of a scale over that of the one before [1]", 0, 1);
+    f.Add("shapes", shapes, "mounds, craters, trenches and ridges at random places", 0, 100);
+    f.Add("shape_height_m", shape_height_m, "height or depth of the largest shape [m]", 0, 0.5);
+    f.Add("tilt_deg", tilt_deg, "the whole bed slopes by up to this, in any direction [deg]", 0, 30);
     f.Add("repose_deg", repose_deg, "no slope is steeper [deg]", 5, 60);
   }
 };
 
-// Smooth noise at several scales, settled to repose. The mean depth is exact to rounding; no cell is
+// Smooth noise at several scales, shapes and a slope, settled to repose. The mean depth is exact to rounding; no cell is
 // below a fifth of it (the amplitude gives way). Same stream, same bytes.
 // Throws Error where a value is out of range or the grid has less than 2 x 2 cells.
 HeightMap GenerateTerrain(const TerrainConfig& config, int rows, int columns, double cell_size_m,
