@@ -51,7 +51,7 @@ ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate&
     rejected_in_a_row = step.verdict.accepted ? 0 : rejected_in_a_row + 1;
     if (step.verdict.accepted) {
       arm = step.verdict.motion->knots.back();
-      SandState state(sensed);
+      SandState state = model.Start(sensed, 0);
       model.Apply({&state, 1}, {&step.stroke, 1});
       step.predicted = state.map();
       step.predict_ms = Lap_ms(clock);

@@ -34,11 +34,11 @@ nlohmann::json MetricsToJson(const std::map<std::string, double>& metrics) {
   return json;
 }
 
-std::vector<EpisodeState> StartAll(std::span<const Task> tasks, const EpisodeConfig& config, uint64_t seed) {
+std::vector<EpisodeState> StartAll(const SandModel& sand, std::span<const Task> tasks, const EpisodeConfig& config, uint64_t seed) {
   std::vector<EpisodeState> episodes;
   for (size_t i = 0; i < tasks.size(); ++i) {
     const RandomStream noise(seed, StreamId("evaluation noise"), i);
-    episodes.push_back(StartEpisode(std::make_shared<const Task>(tasks[i]), config, noise));
+    episodes.push_back(StartEpisode(sand, std::make_shared<const Task>(tasks[i]), config, noise));
   }
   return episodes;
 }
@@ -73,7 +73,7 @@ Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& confi
   Evaluation result;
   result.agent = agent.name();
   result.world = world.sand.name();
-  std::vector<EpisodeState> episodes = StartAll(tasks, config, seed);
+  std::vector<EpisodeState> episodes = StartAll(world.sand, tasks, config, seed);
   std::vector<RandomStream> streams;
   for (size_t i = 0; i < tasks.size(); ++i) streams.emplace_back(seed, StreamId("evaluation actions"), i);
   const int64_t evaluations_before = agent.model_evaluations();

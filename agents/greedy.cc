@@ -65,7 +65,7 @@ Action Near(const Action& best, RandomStream& stream) {
 
 GreedyAgent::Choice GreedyAgent::BestOf(const TaskView& view, std::span<const Action> candidates,
                                         Choice best) {
-  std::vector<SandState> states(candidates.size(), SandState(view.sensed));
+  std::vector<SandState> states(candidates.size(), model_.Start(view.sensed, 0));
   std::vector<Stroke> strokes;
   for (const Action& action : candidates)
     strokes.push_back(DecodeAction(action, view.sensed, view.region, model_.blade(), speed_mps_));

@@ -63,7 +63,7 @@ class Run {
       : config_(config),
         run_(run),
         device_(SelectDevice(config.device)),
-        sand_(LoadSandModel(config.model, config.heightfield)),
+        sand_(LoadSandModel(config.model, config.sand)),
         gate_(LoadGate(config.workcell)),
         world_{*sand_, gate_.get(), run.threads},
         env_(config.env, world_, TrainingTasks(config)),

@@ -7,7 +7,7 @@
 
 #include "agents/network_config.h"
 #include "agents/ppo_config.h"
-#include "env/heightfield.h"
+#include "env/load_sand_model.h"
 #include "env/shaping_env.h"
 
 namespace sandwright {
@@ -22,7 +22,7 @@ struct TrainConfig {
   int64_t evaluate_every = 10240;
   int64_t evaluation_tasks = 20;
   int64_t checkpoint_every = 10240;
-  HeightfieldConfig heightfield;
+  SandModelConfig sand;
   TaskConfig task;
   ShapingConfig env;
   NetworkConfig network;
@@ -33,13 +33,13 @@ struct TrainConfig {
     f.Add("device", device, "where the network computes; cuda falls back to cpu with auto only",
           {"auto", "cpu", "cuda"});
     f.Add("torch_threads", torch_threads, "threads of the network; results depend on it in the last bits", 1, 256);
-    f.Add("model", model, "sand model that is the world: heightfield, none, default or a .safetensors file");
+    f.Add("model", model, "sand model that is the world: heightfield, dem, none, default or a .safetensors file");
     f.Add("workcell", workcell, "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
     f.Add("tasks.file", tasks_file, "task file to draw training tasks from; empty: generate by `task`");
     f.Add("evaluate_every", evaluate_every, "strokes between evaluations; 0: never", 0, 1e12);
     f.Add("evaluation_tasks", evaluation_tasks, "generated tasks of an evaluation, unseen in training", 1, 10000);
     f.Add("checkpoint_every", checkpoint_every, "strokes between checkpoints; 0: at the end only", 0, 1e12);
-    f.Section("heightfield", heightfield);
+    sand.Fields(f);
     f.Section("task", task);
     f.Section("env", env);
     f.Section("network", network);

@@ -70,6 +70,7 @@ std::unique_ptr<Command> MakeTasksCommand();
 std::unique_ptr<Command> MakePlanCommand();
 std::unique_ptr<Command> MakeCheckCommand();
 std::unique_ptr<Command> MakeExportCommand();
+std::unique_ptr<Command> MakeBenchCommand();
 std::unique_ptr<Command> MakeDemoCommand();
 
 }  // namespace sandwright

@@ -160,8 +160,8 @@ DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t se
 
   const Workcell cell = CellFor(scan.map);
   const SafetyGate gate(cell);
-  HeightfieldConfig model_config;
-  model_config.threads = config.world.threads = threads;
+  SandModelConfig model_config;
+  model_config.heightfield.threads = config.world.threads = threads;
   const auto model = LoadSandModel(config.model, model_config);
   const Heightfield world(config.world);
   report.blade = cell.tool.blade;

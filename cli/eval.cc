@@ -27,15 +27,15 @@ class EvalCommand final : public Command {
     f.Section("task", task_);
     f.Section("episode", episode_);
     f.Section("greedy", greedy_);
-    f.Section("heightfield", heightfield_);
+    sand_.Fields(f);
     f.Add("workcell", workcell_, "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
     f.Add("device", device_, "where a policy computes", {"auto", "cpu", "cuda"});
   }
 
   int Run() override {
-    heightfield_.threads = threads();
-    const auto model = LoadSandModel(model_, heightfield_);
-    const auto world = world_.empty() ? nullptr : LoadSandModel(world_, heightfield_);
+    sand_.heightfield.threads = threads();
+    const auto model = LoadSandModel(model_, sand_);
+    const auto world = world_.empty() ? nullptr : LoadSandModel(world_, sand_);
     const auto gate = LoadGate(workcell_);
     const auto agent = LoadAgent(agent_, {*model, greedy_, episode_.speed_mps, device_, gate.get()});
     const std::vector<Task> tasks = Tasks();
@@ -80,7 +80,7 @@ class EvalCommand final : public Command {
   TaskConfig task_;
   EpisodeConfig episode_;
   GreedyConfig greedy_;
-  HeightfieldConfig heightfield_;
+  SandModelConfig sand_;
 };
 
 }  // namespace

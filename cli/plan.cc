@@ -25,13 +25,13 @@ class PlanCommand final : public Command {
   }
   void Fields(FieldList& f) override {
     f.Section("episode", episode_);
-    f.Section("heightfield", heightfield_);
+    sand_.Fields(f);
     f.Section("greedy", greedy_);
   }
 
   int Run() override {
-    heightfield_.threads = threads();
-    const auto model = LoadSandModel(model_, heightfield_);
+    sand_.heightfield.threads = threads();
+    const auto model = LoadSandModel(model_, sand_);
     const SafetyGate gate(LoadWorkcell(workcell_.empty() ? ShippedConfig("workcell.yaml").string() : workcell_));
     const auto agent = LoadAgent(agent_, {.model = *model, .greedy = greedy_, .speed_mps = episode_.speed_mps});
     const Task task{ReadHeightMap(terrain_), ReadGoal(goal_), max_strokes_};
@@ -73,7 +73,7 @@ class PlanCommand final : public Command {
   std::string agent_, model_ = "heightfield", terrain_, goal_, workcell_, out_;
   int max_strokes_ = 20;
   EpisodeConfig episode_;
-  HeightfieldConfig heightfield_;
+  SandModelConfig sand_;
   GreedyConfig greedy_;
 };
 

@@ -34,13 +34,13 @@ class ScoreCommand final : public Command {
   }
   void Fields(FieldList& f) override {
     f.Section("score", score_);
-    f.Section("heightfield", heightfield_);
+    sand_.Fields(f);
   }
 
   int Run() override {
     if (floor_mm_ >= 0) score_.floor_mm = floor_mm_;
-    heightfield_.threads = threads();
-    const auto model = LoadSandModel(model_, heightfield_);
+    sand_.heightfield.threads = threads();
+    const auto model = LoadSandModel(model_, sand_);
     const ScoreReport report = ScoreModel(*model, FindStrokeFiles(data_), score_);
     nlohmann::json json = report.ToJson();
     json["threads"] = 1;  // strokes are timed one at a time
@@ -68,7 +68,7 @@ class ScoreCommand final : public Command {
   std::vector<std::string> data_;
   double floor_mm_ = -1;  // negative: not given
   ScoreConfig score_;
-  HeightfieldConfig heightfield_;
+  SandModelConfig sand_;
 };
 
 }  // namespace

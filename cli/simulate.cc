@@ -16,20 +16,20 @@ namespace {
 class SimulateCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--model", model_, "sand model: heightfield, none, default or a .safetensors file");
+    app.add_option("--model", model_, "sand model: heightfield, dem, none, default or a .safetensors file");
     app.add_option("--terrain", terrain_, "height map file")->required();
     app.add_option("--strokes", strokes_, "strokes (plan) file")->required();
     app.add_option("--out", out_, "height map file to write");
     app.add_option("--picture", picture_, "PNG to write: before, after and change (+-20 mm) side by side");
   }
-  void Fields(FieldList& f) override { f.Section("heightfield", config_); }
+  void Fields(FieldList& f) override { sand_.Fields(f); }
 
   int Run() override {
     if (out_.empty() && picture_.empty()) throw Error("simulate needs --out FILE.h5, --picture FILE.png or both");
-    config_.threads = threads();
-    const std::unique_ptr<SandModel> model = LoadSandModel(model_, config_);
-    const HeightMap before = ReadHeightMap(terrain_);
-    std::vector<SandState> state = {SandState(before)};
+    sand_.heightfield.threads = threads();
+    const std::unique_ptr<SandModel> model = LoadSandModel(model_, sand_);
+    std::vector<SandState> state = {model->Start(ReadHeightMap(terrain_), seed())};
+    const HeightMap before = state[0].map();
     nlohmann::json per_stroke = nlohmann::json::array();
     double total_ms = 0;
     for (const Stroke& stroke : ReadStrokes(strokes_)) {
@@ -66,7 +66,7 @@ class SimulateCommand final : public Command {
     WritePicture(row, picture_);
   }
 
-  HeightfieldConfig config_;
+  SandModelConfig sand_;
   std::string model_ = "heightfield", terrain_, strokes_, out_, picture_;
 };
 

@@ -101,10 +101,10 @@ Region RegionOf(const Task& task, const EpisodeConfig& config) {
           Corner((counted.row0 + counted.row1) * cell / 2, depth_m, goal.depth_m()), width_m, depth_m};
 }
 
-EpisodeState StartEpisode(std::shared_ptr<const Task> task, const EpisodeConfig& config,
+EpisodeState StartEpisode(const SandModel& model, std::shared_ptr<const Task> task, const EpisodeConfig& config,
                           RandomStream noise, int budget_used) {
   SAND_CHECK(budget_used >= 0 && budget_used < task->max_strokes, budget_used, task->max_strokes);
-  const SandState sand(task->terrain);
+  const SandState sand = model.Start(task->terrain, RandomStream(noise).Next64());
   SandState sensed = Sense(sand, config.sensor_noise_m, noise);
   EpisodeState episode{.task = task,
                        .region = RegionOf(*task, config),
@@ -112,7 +112,7 @@ EpisodeState StartEpisode(std::shared_ptr<const Task> task, const EpisodeConfig&
                        .sensed = std::move(sensed),
                        .noise = noise,
                        .budget_used = budget_used,
-                       .goal_error_m = {GoalError(task->terrain, task->goal)}};
+                       .goal_error_m = {GoalError(sand.map(), task->goal)}};
   return episode;
 }
 

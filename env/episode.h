@@ -81,8 +81,8 @@ struct StrokeResult {
 // Error where the mask reaches beyond it.
 Region RegionOf(const Task& task, const EpisodeConfig& config);
 
-// `budget_used` > 0 starts with that part of the budget gone. The task must pass CheckTask.
-EpisodeState StartEpisode(std::shared_ptr<const Task> task, const EpisodeConfig& config,
+// A bed of `model` for the task's terrain. `budget_used` > 0 starts with that part of the budget gone. The task must pass CheckTask.
+EpisodeState StartEpisode(const SandModel& model, std::shared_ptr<const Task> task, const EpisodeConfig& config,
                           RandomStream noise, int budget_used = 0);
 
 // Points into `episode`.

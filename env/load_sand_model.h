@@ -4,15 +4,26 @@
 #include <memory>
 #include <string>
 
+#include "env/dem_config.h"
 #include "env/heightfield.h"
 
 namespace sandwright {
 
-// `heightfield` (with `config`), `none` (nothing changes; `config`'s blade), `default` (the shipped
-// surrogate) or a .safetensors file that `fit` wrote. A surrogate brings its own heightfield and
-// blade and takes only the threads of `config`. Throws Error for any other name: `dem` stands for
-// grains, which this version does not run.
+struct SandModelConfig {
+  HeightfieldConfig heightfield;
+  DemConfig dem;
+
+  void Fields(FieldList& f) {
+    f.Section("heightfield", heightfield);
+    f.Section("dem", dem);
+  }
+};
+
+// `heightfield`, `none` (nothing changes; the heightfield's blade), `default` (the shipped
+// surrogate), `dem` (grains; needs LAMMPS when it runs) or a .safetensors file that `fit` wrote. A
+// surrogate brings its own heightfield and blade and takes only the threads of `config.heightfield`.
+// Throws Error for any other name.
 std::unique_ptr<SandModel> LoadSandModel(const std::string& name_or_file,
-                                         const HeightfieldConfig& config);
+                                         const SandModelConfig& config);
 
 }  // namespace sandwright

@@ -18,6 +18,7 @@ namespace sandwright {
 namespace {
 
 constexpr double kPictureRange_m = 0.012;  // of the error's colours, both ways
+constexpr uint64_t kPacking = 0;  // of the grains, where the model has some
 constexpr std::array<int, 5> kRolloutSteps = {1, 5, 20, 50, 100};
 
 // `base` plus the change from one map to another of any cell size with the same walls.
@@ -86,10 +87,10 @@ class Scorer {
   void ScoreRecord(const std::filesystem::path& path, const StrokeRecord& record, int index) {
     const std::string where = fmt::format("{}, stroke {}", path.string(), index);
     CheckBlade(model_, record.blade, where);
-    const HeightMap start = Resample(record.before, report_.model_cell_size_m);
-    if (report_.strokes.empty()) Predict(start, record.path);  // the first run only warms caches
+    const HeightMap terrain = Resample(record.before, report_.model_cell_size_m);
+    if (report_.strokes.empty()) Predict(terrain, record.path);  // the first run only warms caches
     const auto began = std::chrono::steady_clock::now();
-    const HeightMap end = Predict(start, record.path);
+    const auto [start, end] = Predict(terrain, record.path);
     seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 
     const HeightMap before = OnErrorCells(record.before), truth = OnErrorCells(record.after);
@@ -103,10 +104,12 @@ class Scorer {
     if (!config_.pictures.empty()) Draw(path, index, before, truth, prediction);
   }
 
-  HeightMap Predict(const HeightMap& start, const ToolPath& path) const {
-    std::vector<SandState> states{SandState(start)};
-    model_.Apply(states, std::span(&path, 1));
-    return states.front().map();
+  // The bed that the model starts from, and what it becomes.
+  std::pair<HeightMap, HeightMap> Predict(const HeightMap& terrain, const ToolPath& path) const {
+    SandState state = model_.Start(terrain, kPacking);
+    HeightMap start = state.map();
+    model_.Apply(std::span(&state, 1), std::span(&path, 1));
+    return {std::move(start), state.map()};
   }
 
   void AddPaper(const StrokeRecord& record, const HeightMap& prediction) {
@@ -144,9 +147,9 @@ class Scorer {
       const bool follows = i > 0 && record.sequence == file.strokes[i - 1].sequence &&
                            record.step == file.strokes[i - 1].step + 1;
       if (!follows) {
-        start = Resample(record.before, report_.model_cell_size_m);
+        state = model_.Start(Resample(record.before, report_.model_cell_size_m), kPacking);
+        start = state->map();
         before = OnErrorCells(record.before);
-        state.emplace(start);
         window = {};
         done = 0;
       }

@@ -32,7 +32,7 @@ EpisodeState ShapingEnv::NewEpisode(int index, uint64_t number) const {
   const int used = config_.random_phase && number == 0
                        ? static_cast<int>(task_stream.Index(static_cast<uint64_t>(task->max_strokes)))
                        : 0;
-  return StartEpisode(std::move(task), config_.episode, noise, used);
+  return StartEpisode(world_.sand, std::move(task), config_.episode, noise, used);
 }
 
 void ShapingEnv::EncodeInto(int index, ObservationBatch& batch) const {

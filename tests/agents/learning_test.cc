@@ -21,7 +21,7 @@ TEST(Learning, AMinuteOfPpoBeatsRandomOnUnseenTasks) {
   std::filesystem::remove_all(folder);
   Train(config, {folder, 1, 2, false});
 
-  const auto sand = LoadSandModel(config.model, config.heightfield);
+  const auto sand = LoadSandModel(config.model, config.sand);
   const auto gate = LoadGate(config.workcell);
   const World world{*sand, gate.get(), 2};
   std::vector<Task> tasks;

@@ -51,7 +51,7 @@ std::shared_ptr<Task> MakeTask(int max_strokes = 10) {
 }
 
 std::vector<EpisodeState> Start(std::shared_ptr<const Task> task, const EpisodeConfig& config = {}) {
-  return {StartEpisode(std::move(task), config, RandomStream(1))};
+  return {StartEpisode(StillSand(), std::move(task), config, RandomStream(1))};
 }
 
 const std::vector<Action> kAction(1);
@@ -171,7 +171,7 @@ TEST(StepEpisodes, SensorNoiseIsSeenButIsNotTheTruth) {
 
 TEST(StartEpisode, MayStartWithPartOfTheBudgetGone) {
   const StillSand still;
-  std::vector<EpisodeState> episodes = {StartEpisode(MakeTask(4), {}, RandomStream(1), 3)};
+  std::vector<EpisodeState> episodes = {StartEpisode(StillSand(), MakeTask(4), {}, RandomStream(1), 3)};
   EXPECT_EQ(View(episodes[0]).strokes_used, 3);
   StepEpisodes({.sand = still}, {}, episodes, kAction);
   EXPECT_TRUE(episodes[0].terminated);

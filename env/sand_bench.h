@@ -1,0 +1,36 @@
+// Speed and error of the sand models, measured side by side: the rows of `bench --suite sand`.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "env/heightfield.h"
+
+namespace sandwright {
+
+struct SandBenchRow {
+  std::string name;
+  int threads = 1, batch = 1;
+  double cell_size_m = 0;
+  double ms_per_stroke = 0;       // best of several runs, wall clock; an exact case: all of it
+  std::optional<double> rmse_mm, mae_mm;         // where there is a truth
+  std::optional<double> rmse_cells, max_cells;   // of exact cases
+  std::optional<double> r2_change, volume_drift_rel;  // of recorded strokes
+};
+
+struct SandBench {
+  HeightfieldConfig heightfield;
+  int threads = 1;
+  std::vector<std::filesystem::path> data;  // stroke files; empty: no errors on strokes
+};
+
+// Exact cases; a stroke of 200 mm by cell size and by size of the box; a batch by threads; and, on
+// recorded strokes, nothing changes, heightfield by cell size and the shipped surrogate. Each row is
+// given to `done` as it comes. Ctrl-C throws kInterrupted.
+void RunSandBench(const SandBench& bench, const std::function<void(const SandBenchRow&)>& done);
+
+}  // namespace sandwright
