@@ -34,7 +34,8 @@ nlohmann::json MetricsToJson(const std::map<std::string, double>& metrics) {
   return json;
 }
 
-std::vector<EpisodeState> StartAll(std::span<const Task> tasks, const EpisodeConfig& config, uint64_t seed) {
+std::vector<EpisodeState> StartAll(std::span<const Task> tasks, const EpisodeConfig& config,
+                                   uint64_t seed) {
   std::vector<EpisodeState> episodes;
   for (size_t i = 0; i < tasks.size(); ++i) {
     const RandomStream noise(seed, StreamId("evaluation noise"), i);
@@ -75,7 +76,8 @@ Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& confi
   result.world = world.sand.name();
   std::vector<EpisodeState> episodes = StartAll(tasks, config, seed);
   std::vector<RandomStream> streams;
-  for (size_t i = 0; i < tasks.size(); ++i) streams.emplace_back(seed, StreamId("evaluation actions"), i);
+  for (size_t i = 0; i < tasks.size(); ++i)
+    streams.emplace_back(seed, StreamId("evaluation actions"), i);
   const int64_t evaluations_before = agent.model_evaluations();
   int64_t strokes = 0;
   for (;;) {
@@ -120,8 +122,8 @@ void DrawEvaluation(const Evaluation& evaluation, std::span<const Task> tasks,
     const auto error = [&](const HeightMap& map) {
       return DrawDifference(map, goal, kPictureError_m, scale);
     };
-    const cv::Mat parts[] = {heights(terrain), heights(goal), heights(evaluation.end[i]), error(terrain),
-                             error(evaluation.end[i])};
+    const cv::Mat parts[] = {heights(terrain), heights(goal), heights(evaluation.end[i]),
+                             error(terrain), error(evaluation.end[i])};
     cv::Mat row;
     cv::hconcat(parts, std::size(parts), row);
     WritePicture(row, folder / fmt::format("task_{:05}.png", i));

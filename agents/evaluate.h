@@ -28,9 +28,9 @@ struct Evaluation {
   nlohmann::json ToJson() const;
 };
 
-// Plays every task to its end, all tasks side by side. The agent's randomness on task i and the sensor
-// noise come from streams of (seed, purpose, i), so a task's result depends neither on the others nor
-// on threads. `progress` gets the strokes so far.
+// Plays every task to its end, all tasks side by side. The agent's randomness on task i and the
+// sensor noise come from streams of (seed, purpose, i), so a task's result depends neither on the
+// others nor on threads. `progress` gets the strokes so far.
 Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& config,
                     std::span<const Task> tasks, uint64_t seed,
                     const std::function<void(int64_t)>& progress = {});

@@ -12,7 +12,9 @@ void Command::DeclareCommon(CLI::App& app) {
   threads_ = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--config", config_file_, "configuration (YAML)")->check(CLI::ExistingFile);
   app.add_option("--seed", seed_, "seed of every random stream")->capture_default_str();
-  app.add_option("--threads", threads_, "worker threads")->check(CLI::Range(1, 1024))->capture_default_str();
+  app.add_option("--threads", threads_, "worker threads")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
   app.add_option("--json", json_file_, "write the result here (JSON, keys with units)");
   Fields(fields_);
   const std::string keys = Help(fields_);

@@ -16,8 +16,10 @@ namespace {
 class DemoCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--depth", depth_, "depth frame of a levelled sand box (default: the shipped one)");
-    app.add_option("--out", out_, "folder for report.html, demo.json and strokes.script")->capture_default_str();
+    app.add_option("--depth", depth_,
+                   "depth frame of a levelled sand box (default: the shipped one)");
+    app.add_option("--out", out_, "folder for report.html, demo.json and strokes.script")
+        ->capture_default_str();
   }
   void Fields(FieldList& f) override { config_.Fields(f); }
 
@@ -25,7 +27,8 @@ class DemoCommand final : public Command {
     std::error_code failed;
     std::filesystem::create_directories(out_, failed);
     if (failed) throw Error("cannot write " + out_ + ": " + failed.message());
-    const std::string frame = depth_.empty() ? ShippedFile("samples/demo_depth.png").string() : depth_;
+    const std::string frame =
+        depth_.empty() ? ShippedFile("samples/demo_depth.png").string() : depth_;
     const DemoReport report = RunDemo(frame, config_, seed(), threads());
     const std::filesystem::path folder = out_;
     WriteFileAtomically(folder / "strokes.script", report.urscript);
@@ -35,8 +38,8 @@ class DemoCommand final : public Command {
     WriteResult(json);
     const ShapingRun& run = report.runs.front().run;
     fmt::print("goal error {:.2f} -> {:.2f} mm in {} strokes ({} rejected) by {}; look at {}\n",
-               1e3 * run.start_error_m, 1e3 * run.final_error_m(), run.strokes.size(), run.rejected(),
-               report.runs.front().agent, (folder / "report.html").string());
+               1e3 * run.start_error_m, 1e3 * run.final_error_m(), run.strokes.size(),
+               run.rejected(), report.runs.front().agent, (folder / "report.html").string());
     return 0;
   }
 

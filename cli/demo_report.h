@@ -18,20 +18,20 @@ struct DemoRun {
 };
 
 struct DemoReport {
-  std::string frame_name;       // what was scanned, for people
-  cv::Mat frame;                // the depth frame as a grey picture
-  std::string scan_summary;     // one sentence with figures
-  HeightMap terrain, goal;      // whole box, as scanned
+  std::string frame_name;    // what was scanned, for people
+  cv::Mat frame;             // the depth frame as a grey picture
+  std::string scan_summary;  // one sentence with figures
+  HeightMap terrain, goal;   // whole box, as scanned
   Region region;
   Blade blade;
-  std::string model, world;     // what predicts and what executes, one sentence each
-  std::vector<DemoRun> runs;    // the policy first, then its rivals
+  std::string model, world;   // what predicts and what executes, one sentence each
+  std::vector<DemoRun> runs;  // the policy first, then its rivals
   double success_error_mm = 2;
-  std::optional<cv::Mat> arm;   // rendered over the box
-  std::string arm_note;         // shown where there is no picture
-  std::vector<double> time_s;   // of the executed motion, all strokes
+  std::optional<cv::Mat> arm;                     // rendered over the box
+  std::string arm_note;                           // shown where there is no picture
+  std::vector<double> time_s;                     // of the executed motion, all strokes
   std::vector<std::array<double, 6>> joints_rad;  // at those times
-  double tracking_error_mm = 0; // largest distance of blade from plan
+  double tracking_error_mm = 0;                   // largest distance of blade from plan
   std::string urscript;
   std::vector<std::pair<std::string, double>> timings_s;
 };

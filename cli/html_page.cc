@@ -37,7 +37,8 @@ svg .label { font: 13px system-ui, sans-serif; fill: var(--ink); }
 )";
 
 std::string Base64(std::string_view bytes) {
-  static constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  static constexpr char kAlphabet[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
   for (size_t i = 0; i < bytes.size(); i += 3) {
@@ -67,7 +68,8 @@ std::string EscapeHtml(std::string_view text) {
 }
 
 std::string DataImage(std::string_view png, int width_px) {
-  return fmt::format("<img width=\"{}\" alt=\"\" src=\"data:image/png;base64,{}\">", width_px, Base64(png));
+  return fmt::format("<img width=\"{}\" alt=\"\" src=\"data:image/png;base64,{}\">", width_px,
+                     Base64(png));
 }
 
 void HtmlPage::Heading(const std::string& text) { body_ += "<h2>" + EscapeHtml(text) + "</h2>\n"; }
@@ -77,14 +79,16 @@ void HtmlPage::Paragraph(const std::string& text) { body_ += "<p>" + EscapeHtml(
 void HtmlPage::Figures(const std::vector<PageFigure>& figures) {
   body_ += "<div class=\"figures\">\n";
   for (const PageFigure& figure : figures)
-    body_ += "<figure>" + figure.content + "<figcaption>" + EscapeHtml(figure.caption) + "</figcaption></figure>\n";
+    body_ += "<figure>" + figure.content + "<figcaption>" + EscapeHtml(figure.caption) +
+             "</figcaption></figure>\n";
   body_ += "</div>\n";
 }
 
 void HtmlPage::Tiles(const std::vector<std::pair<std::string, std::string>>& tiles) {
   body_ += "<div class=\"tiles\">\n";
   for (const auto& [value, name] : tiles)
-    body_ += "<div class=\"tile\"><b>" + EscapeHtml(value) + "</b><span>" + EscapeHtml(name) + "</span></div>\n";
+    body_ += "<div class=\"tile\"><b>" + EscapeHtml(value) + "</b><span>" + EscapeHtml(name) +
+             "</span></div>\n";
   body_ += "</div>\n";
 }
 
@@ -92,7 +96,8 @@ void HtmlPage::Table(const std::vector<std::string>& header,
                      const std::vector<std::vector<std::string>>& rows) {
   const auto row = [&](const std::vector<std::string>& cells, const char* tag) {
     body_ += "<tr>";
-    for (const std::string& cell : cells) body_ += fmt::format("<{0}>{1}</{0}>", tag, EscapeHtml(cell));
+    for (const std::string& cell : cells)
+      body_ += fmt::format("<{0}>{1}</{0}>", tag, EscapeHtml(cell));
     body_ += "</tr>\n";
   };
   body_ += "<div class=\"scroll\"><table>\n";
@@ -108,10 +113,12 @@ void HtmlPage::Listing(const std::string& summary, const std::string& text) {
 
 std::string HtmlPage::Finish() const {
   const std::string title = EscapeHtml(title_);
-  return fmt::format("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-                     "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
-                     "<title>{}</title><style>{}</style></head>\n<body><main>\n<h1>{}</h1>\n{}</main></body></html>\n",
-                     title, kStyle, title, body_);
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
+      "<title>{}</title><style>{}</style></head>\n<body><main>\n<h1>{}</h1>\n{}</main></body></"
+      "html>\n",
+      title, kStyle, title, body_);
 }
 
 }  // namespace sandwright

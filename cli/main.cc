@@ -21,8 +21,10 @@ struct Entry {
 };
 
 constexpr Entry kCommands[] = {
-    {"scan", "depth frames or a height array -> height map in the box frame, or a refusal", MakeScanCommand},
-    {"collect", "collects strokes: random ones, one after another, before and after kept", MakeCollectCommand},
+    {"scan", "depth frames or a height array -> height map in the box frame, or a refusal",
+     MakeScanCommand},
+    {"collect", "collects strokes: random ones, one after another, before and after kept",
+     MakeCollectCommand},
     {"fit", "trains a surrogate on stroke files", MakeFitCommand},
     {"score", "accuracy of a sand model on stroke files", MakeScoreCommand},
     {"simulate", "applies strokes to a terrain", MakeSimulateCommand},
@@ -32,7 +34,8 @@ constexpr Entry kCommands[] = {
     {"plan", "terrain + goal -> gated strokes", MakePlanCommand},
     {"check", "the safety gate alone, on a plan", MakeCheckCommand},
     {"export", "plan -> URScript, through the gate", MakeExportCommand},
-    {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at", MakeDemoCommand},
+    {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at",
+     MakeDemoCommand},
 };
 
 // Dotted overrides (key=value) may stand anywhere that is not the value right behind a flag; taken
@@ -43,7 +46,8 @@ std::vector<std::string> TakeOverrides(std::vector<std::string>& arguments) {
   for (size_t i = 0; i < arguments.size(); ++i) {
     const bool behind_flag = i > 0 && arguments[i - 1].starts_with("--") &&
                              arguments[i - 1].find('=') == std::string::npos;
-    (std::regex_match(arguments[i], form) && !behind_flag ? overrides : rest).push_back(arguments[i]);
+    (std::regex_match(arguments[i], form) && !behind_flag ? overrides : rest)
+        .push_back(arguments[i]);
   }
   arguments = std::move(rest);
   return overrides;

@@ -35,11 +35,13 @@ StrokeRecord ReadRecord(const H5::Group& group, double cell_size_m, const std::s
   record.before = ReadMap(group, "before", cell_size_m, where);
   record.after = ReadMap(group, "after", cell_size_m, where);
   if (!record.before.SameGrid(record.after))
-    throw Error(fmt::format("{}: before_m is {} x {}, after_m is {} x {}", where, record.before.rows,
-                            record.before.columns, record.after.rows, record.after.columns));
+    throw Error(fmt::format("{}: before_m is {} x {}, after_m is {} x {}", where,
+                            record.before.rows, record.before.columns, record.after.rows,
+                            record.after.columns));
   const auto points = ReadArray<double>(group, "control_points_m", where);
   if (points.columns != 3)
-    throw Error(fmt::format("{}: control_points_m has {} columns; expected 3", where, points.columns));
+    throw Error(
+        fmt::format("{}: control_points_m has {} columns; expected 3", where, points.columns));
   for (size_t i = 0; i < points.rows; ++i)
     record.stroke.control_points_m.emplace_back(points.values[3 * i], points.values[3 * i + 1],
                                                 points.values[3 * i + 2]);
@@ -49,11 +51,13 @@ StrokeRecord ReadRecord(const H5::Group& group, double cell_size_m, const std::s
   CheckStroke(record.stroke, where);
   const auto path = ReadArray<double>(group, "path_m", where);
   if (path.columns != 4 || path.rows < 2)
-    throw Error(fmt::format("{}: path_m is {} x {}; expected at least 2 x 4", where, path.rows, path.columns));
+    throw Error(fmt::format("{}: path_m is {} x {}; expected at least 2 x 4", where, path.rows,
+                            path.columns));
   for (size_t i = 0; i < path.rows; ++i) {
     const double* p = &path.values[4 * i];
     for (int k = 0; k < 4; ++k) {
-      if (!std::isfinite(p[k])) throw Error(fmt::format("{}: path_m row {} is not finite", where, i));
+      if (!std::isfinite(p[k]))
+        throw Error(fmt::format("{}: path_m row {} is not finite", where, i));
     }
     record.path.push_back({p[0], p[1], p[2], p[3]});
   }
@@ -61,7 +65,8 @@ StrokeRecord ReadRecord(const H5::Group& group, double cell_size_m, const std::s
   record.blade.thickness_m = ReadNumber(group, "blade_thickness_m", where);
   record.sequence = static_cast<int64_t>(ReadNumber(group, "sequence", where));
   record.step = static_cast<int64_t>(ReadNumber(group, "step", where));
-  if (HasAttribute(group, "replicate_of")) record.replicate_of = ReadText(group, "replicate_of", where);
+  if (HasAttribute(group, "replicate_of"))
+    record.replicate_of = ReadText(group, "replicate_of", where);
   return record;
 }
 
@@ -78,7 +83,8 @@ void WriteRecord(const StrokeRecord& record, H5::Group& group) {
     numbers.insert(numbers.end(), {p.x(), p.y(), p.z()});
   WriteArray(group, "control_points_m", numbers.data(), numbers.size() / 3, 3);
   numbers.clear();
-  for (const BladePose& p : record.path) numbers.insert(numbers.end(), {p.x_m, p.y_m, p.z_m, p.yaw_rad});
+  for (const BladePose& p : record.path)
+    numbers.insert(numbers.end(), {p.x_m, p.y_m, p.z_m, p.yaw_rad});
   WriteArray(group, "path_m", numbers.data(), numbers.size() / 4, 4);
   WriteInteger(group, "degree", record.stroke.degree);
   WriteInteger(group, "sequence", record.sequence);
@@ -135,7 +141,8 @@ std::vector<std::filesystem::path> FindStrokeFiles(const std::vector<std::string
     if (std::filesystem::is_directory(path)) {
       for (const auto& entry : std::filesystem::directory_iterator(path)) {
         const auto& name = entry.path().filename().string();
-        if (entry.path().extension() == ".h5" && !name.starts_with(".")) files.push_back(entry.path());
+        if (entry.path().extension() == ".h5" && !name.starts_with("."))
+          files.push_back(entry.path());
       }
     } else if (std::filesystem::exists(path)) {
       files.push_back(path);

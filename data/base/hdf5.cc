@@ -16,11 +16,17 @@ void Quiet() { H5::Exception::dontPrint(); }
 template <class T>
 H5::PredType NativeType();
 template <>
-H5::PredType NativeType<float>() { return H5::PredType::NATIVE_FLOAT; }
+H5::PredType NativeType<float>() {
+  return H5::PredType::NATIVE_FLOAT;
+}
 template <>
-H5::PredType NativeType<double>() { return H5::PredType::NATIVE_DOUBLE; }
+H5::PredType NativeType<double>() {
+  return H5::PredType::NATIVE_DOUBLE;
+}
 template <>
-H5::PredType NativeType<uint8_t>() { return H5::PredType::NATIVE_UINT8; }
+H5::PredType NativeType<uint8_t>() {
+  return H5::PredType::NATIVE_UINT8;
+}
 
 void WriteScalar(H5::H5Object& object, const std::string& name, const H5::DataType& type,
                  const void* value) {
@@ -31,7 +37,8 @@ void WriteScalar(H5::H5Object& object, const std::string& name, const H5::DataTy
 
 H5::H5File OpenHdf5(const std::filesystem::path& file) {
   Quiet();
-  if (!std::filesystem::exists(file)) throw Error("cannot read " + file.string() + ": no such file");
+  if (!std::filesystem::exists(file))
+    throw Error("cannot read " + file.string() + ": no such file");
   try {
     return H5::H5File(file.string(), H5F_ACC_RDONLY);
   } catch (const H5::Exception&) {
@@ -87,7 +94,8 @@ double ReadNumber(const H5::H5Object& object, const std::string& name, const std
   }
 }
 
-std::string ReadText(const H5::H5Object& object, const std::string& name, const std::string& where) {
+std::string ReadText(const H5::H5Object& object, const std::string& name,
+                     const std::string& where) {
   try {
     const H5::Attribute attribute = object.openAttribute(name);
     std::string value;

@@ -44,7 +44,8 @@ template <class T>
 Array2<T> ReadArray(const H5::Group& group, const std::string& name, const std::string& where);
 // Compressed (shuffle + deflate) with one chunk.
 template <class T>
-void WriteArray(H5::Group& group, const std::string& name, const T* values, size_t rows, size_t columns);
+void WriteArray(H5::Group& group, const std::string& name, const T* values, size_t rows,
+                size_t columns);
 
 // Names of the groups below `group`, in order.
 std::vector<std::string> GroupNames(const H5::Group& group);

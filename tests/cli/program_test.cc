@@ -39,8 +39,9 @@ Finished Invoke(const std::string& arguments, const std::string& before = "") {
 class ProgramTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              ("program_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ =
+        std::filesystem::path(::testing::TempDir()) /
+        ("program_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }
@@ -58,18 +59,20 @@ class ProgramTest : public ::testing::Test {
 TEST_F(ProgramTest, HelpNamesEverySubcommandAndItsKeys) {
   const Finished help = Invoke("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* name : {"scan", "collect", "fit", "score", "simulate", "train", "eval", "tasks", "plan",
-                           "check", "export", "demo"}) {
+  for (const char* name : {"scan", "collect", "fit", "score", "simulate", "train", "eval", "tasks",
+                           "plan", "check", "export", "demo"}) {
     EXPECT_THAT(help.output, HasSubstr(name));
     EXPECT_EQ(Invoke(std::string(name) + " --help").exit_code, 0) << name;
   }
-  EXPECT_THAT(Invoke("tasks --help").output, AllOf(HasSubstr("--seed"), HasSubstr("--json"), HasSubstr("tasks.difficulty_low_m")));
+  EXPECT_THAT(Invoke("tasks --help").output,
+              AllOf(HasSubstr("--seed"), HasSubstr("--json"), HasSubstr("tasks.difficulty_low_m")));
 }
 
 TEST_F(ProgramTest, BadUsageExitsWith2AndNamesTheCure) {
   EXPECT_EQ(Invoke("").exit_code, 2);
   EXPECT_EQ(Invoke("frobnicate").exit_code, 2);
-  const Finished unknown = Invoke("tasks --generate --out " + Path("t.h5") + " tasks.dificulty_low_m=0.1");
+  const Finished unknown =
+      Invoke("tasks --generate --out " + Path("t.h5") + " tasks.dificulty_low_m=0.1");
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.output, HasSubstr("did you mean 'tasks.difficulty_low_m'?"));
   const Finished range = Invoke("tasks --generate --out " + Path("t.h5") + " tasks.max_strokes=0");
@@ -86,8 +89,8 @@ TEST_F(ProgramTest, UnwritableOutputIsNamedAndNothingIsLeft) {
 }
 
 TEST_F(ProgramTest, ResultsCarryConfigSeedAndMachine) {
-  const Finished run = Invoke("tasks --generate --count 2 --seed 5 --out " + Path("t.h5") + " --json " +
-                           Path("r.json") + " tasks.max_strokes=7");
+  const Finished run = Invoke("tasks --generate --count 2 --seed 5 --out " + Path("t.h5") +
+                              " --json " + Path("r.json") + " tasks.max_strokes=7");
   ASSERT_EQ(run.exit_code, 0) << run.output;
   const auto result = nlohmann::json::parse(ReadFile(Path("r.json")));
   EXPECT_EQ(result["seed"], 5);
@@ -96,21 +99,26 @@ TEST_F(ProgramTest, ResultsCarryConfigSeedAndMachine) {
   EXPECT_EQ(ReadTasks(Path("t.h5")).size(), 2u);
   // The same seed gives the same bytes, whatever the thread count.
   const std::string first = ReadFile(Path("t.h5"));
-  ASSERT_EQ(Invoke("tasks --generate --count 2 --seed 5 --threads 1 --out " + Path("t.h5") + " tasks.max_strokes=7").exit_code, 0);
+  ASSERT_EQ(Invoke("tasks --generate --count 2 --seed 5 --threads 1 --out " + Path("t.h5") +
+                   " tasks.max_strokes=7")
+                .exit_code,
+            0);
   EXPECT_EQ(ReadFile(Path("t.h5")), first);
 }
 
 TEST_F(ProgramTest, AFailedRunReplacesNothing) {
   WriteFileAtomically(Path("terrain.h5"), "not a height map");
   WriteFileAtomically(Path("t.h5"), "precious");
-  const Finished run = Invoke("tasks --terrain " + Path("terrain.h5") + " --goals mound --out " + Path("t.h5"));
+  const Finished run =
+      Invoke("tasks --terrain " + Path("terrain.h5") + " --goals mound --out " + Path("t.h5"));
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.output, HasSubstr("terrain.h5: not an HDF5 file"));
   EXPECT_EQ(ReadFile(Path("t.h5")), "precious");
 }
 
 TEST_F(ProgramTest, CollectKeepsWhatIsDoneAndContinuesToTheSameBytes) {
-  const std::string flags = "collect --source heightfield --strokes 600 --sequence 6 --seed 3 --threads 1 --out ";
+  const std::string flags =
+      "collect --source heightfield --strokes 600 --sequence 6 --seed 3 --threads 1 --out ";
   // Interrupted in the middle (SIGINT after a while), then continued.
   const Finished first = Invoke(flags + Path("a"), "timeout -s INT 2 ");
   EXPECT_THAT(first.exit_code, ::testing::AnyOf(130, 124, 0)) << first.output;

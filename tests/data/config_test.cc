@@ -65,7 +65,8 @@ TEST_F(ConfigTest, UnknownKeySuggestsTheNearest) {
 }
 
 TEST_F(ConfigTest, RangeTypeAndChoiceAreNamed) {
-  EXPECT_THAT([&] { Override("ppo.clip_range=1.5"); }, Fails("ppo.clip_range = 1.5 is not allowed; allowed: 0..1"));
+  EXPECT_THAT([&] { Override("ppo.clip_range=1.5"); },
+              Fails("ppo.clip_range = 1.5 is not allowed; allowed: 0..1"));
   EXPECT_THAT([&] { Override("total_steps=0"); }, Fails("allowed: >= 1"));
   EXPECT_THAT([&] { Override("total_steps=many"); }, Fails("expected a whole number"));
   EXPECT_THAT([&] { Override("ppo.clip_range=.nan"); }, Fails("not allowed"));

@@ -42,7 +42,8 @@ TEST(HeightMapTest, ResampleKeepsVolumeBothWays) {
   HeightMap map = Plane(6, 12, 0.005);
   map.At(2, 3) += 0.04f;
   const auto volume = [](const HeightMap& m) {
-    return std::accumulate(m.height_m.begin(), m.height_m.end(), 0.0) * m.cell_size_m * m.cell_size_m;
+    return std::accumulate(m.height_m.begin(), m.height_m.end(), 0.0) * m.cell_size_m *
+           m.cell_size_m;
   };
   for (double cell : {0.0025, 0.01, 0.015, 0.0075}) {
     const HeightMap other = Resample(map, cell);
@@ -84,7 +85,8 @@ TEST(HeightMapTest, BadMapsAreNamed) {
   EXPECT_FALSE(std::filesystem::exists(Temp("nan.h5")));
   map.At(1, 2) = std::numeric_limits<float>::infinity();
   EXPECT_THAT([&] { CheckHeightMap(map, "m"); }, Fails("is inf"));
-  EXPECT_THAT([&] { CheckHeightMap(HeightMap(1, 1, 0.01), "tiny"); }, Fails("tiny: the map has 1 x 1"));
+  EXPECT_THAT([&] { CheckHeightMap(HeightMap(1, 1, 0.01), "tiny"); },
+              Fails("tiny: the map has 1 x 1"));
   EXPECT_THAT([&] { CheckHeightMap(HeightMap(2, 2, 0), "cell"); }, Fails("cell_size_m = 0"));
 }
 
@@ -100,7 +102,8 @@ TEST(HeightMapTest, ForeignFilesAreRefusedByName) {
   EXPECT_THAT([&] { ReadHeightMap(Temp("other.h5")); },
               Fails("schema is \"someone-else\"; expected \"sandwright-heightmap\""));
   WriteHdf5(Temp("new.h5"), [](H5::H5File& f) { WriteSchema(f, "sandwright-heightmap", 2); });
-  EXPECT_THAT([&] { ReadHeightMap(Temp("new.h5")); }, Fails("schema_version of sandwright-heightmap is 2"));
+  EXPECT_THAT([&] { ReadHeightMap(Temp("new.h5")); },
+              Fails("schema_version of sandwright-heightmap is 2"));
   WriteHdf5(Temp("bare.h5"), [](H5::H5File&) {});
   EXPECT_THAT([&] { ReadHeightMap(Temp("bare.h5")); }, Fails("attribute schema is missing"));
 }

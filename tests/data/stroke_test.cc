@@ -29,10 +29,15 @@ std::string Temp(const std::string& name) { return ::testing::TempDir() + "strok
 TEST(StrokeTest, BadStrokesAreNamed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Eigen::Vector3d a(0.1, 0.1, 0.04), b(0.2, 0.1, 0.04);
-  EXPECT_THAT([&] { CheckStroke(Make({a}), "s"); }, Fails("s: control_points_m has 1 points; allowed: 2..4"));
+  EXPECT_THAT([&] { CheckStroke(Make({a}), "s"); },
+              Fails("s: control_points_m has 1 points; allowed: 2..4"));
   EXPECT_THAT([&] { CheckStroke(Make({a, b, a, b, a}), "s"); }, Fails("has 5 points"));
   EXPECT_THAT([&] { CheckStroke(Make({a, a}), "s"); }, Fails("points 0 and 1 are 0 m apart"));
-  EXPECT_THAT([&] { CheckStroke(Make({a, b, {0.2, nan, 0}}), "s"); }, Fails("point 2 is [0.2, nan, 0]"));
+  EXPECT_THAT(
+      [&] {
+        CheckStroke(Make({a, b, {0.2, nan, 0}}), "s");
+      },
+      Fails("point 2 is [0.2, nan, 0]"));
   EXPECT_THAT([&] { CheckStroke(Make({a, b}, 3), "s"); }, Fails("degree = 3"));
   Stroke still = Make({a, b});
   still.speed_mps = 0;
@@ -66,7 +71,8 @@ TEST(StrokeTest, BezierKeepsSpacingAndTangents) {
   EXPECT_NEAR(path.back().yaw_rad, -std::atan2(0.08, 0.05), 1e-9);
   EXPECT_EQ(path.back().x_m, 0.1);
   for (size_t i = 1; i < path.size(); ++i)
-    EXPECT_LE(std::hypot(path[i].x_m - path[i - 1].x_m, path[i].y_m - path[i - 1].y_m), step * 1.001);
+    EXPECT_LE(std::hypot(path[i].x_m - path[i - 1].x_m, path[i].y_m - path[i - 1].y_m),
+              step * 1.001);
   // Apex of a quadratic Bezier: half the control point's height.
   const auto apex = std::ranges::max_element(path, {}, &BladePose::y_m);
   EXPECT_NEAR(apex->y_m, 0.04, 1e-5);
@@ -87,7 +93,9 @@ TEST(StrokeTest, ClassesOfThePaper) {
 
 TEST(StrokeTest, StrokeListsFromYaml) {
   const std::string head = "schema: sandwright-plan\nschema_version: 1\n";
-  const std::string good = head + "frame: box\nstrokes:\n  - {control_points_m: [[0.1, 0.1, 0.04], [0.2, 0.1, 0.03]], degree: 1, speed_mps: 0.1}\n";
+  const std::string good = head +
+                           "frame: box\nstrokes:\n  - {control_points_m: [[0.1, 0.1, 0.04], [0.2, "
+                           "0.1, 0.03]], degree: 1, speed_mps: 0.1}\n";
   WriteFileAtomically(Temp("a.yaml"), good);
   const auto strokes = ReadStrokes(Temp("a.yaml"));
   ASSERT_EQ(strokes.size(), 1u);
@@ -96,10 +104,15 @@ TEST(StrokeTest, StrokeListsFromYaml) {
   EXPECT_THAT([&] { ReadStrokes(Temp("b.yaml")); }, Fails("frame is \"world\"; allowed: box"));
   WriteFileAtomically(Temp("c.yaml"), "strokes: []\n");
   EXPECT_THAT([&] { ReadStrokes(Temp("c.yaml")); }, Fails("expected sandwright-plan version 1"));
-  WriteFileAtomically(Temp("d.yaml"), head + "frame: box\nstrokes:\n  - {control_points_m: [[0.1, 0.1]], degree: 1, speed_mps: 0.1}\n");
-  EXPECT_THAT([&] { ReadStrokes(Temp("d.yaml")); }, Fails("strokes[0]: a control point needs 3 numbers"));
-  WriteFileAtomically(Temp("e.yaml"), head + "frame: box\nstrokes:\n  - {degree: 1, speed_mps: 0.1}\n");
-  EXPECT_THAT([&] { ReadStrokes(Temp("e.yaml")); }, Fails("strokes[0]: control_points_m has 0 points"));
+  WriteFileAtomically(Temp("d.yaml"), head +
+                                          "frame: box\nstrokes:\n  - {control_points_m: [[0.1, "
+                                          "0.1]], degree: 1, speed_mps: 0.1}\n");
+  EXPECT_THAT([&] { ReadStrokes(Temp("d.yaml")); },
+              Fails("strokes[0]: a control point needs 3 numbers"));
+  WriteFileAtomically(Temp("e.yaml"),
+                      head + "frame: box\nstrokes:\n  - {degree: 1, speed_mps: 0.1}\n");
+  EXPECT_THAT([&] { ReadStrokes(Temp("e.yaml")); },
+              Fails("strokes[0]: control_points_m has 0 points"));
 }
 
 StrokeFile SmallFile() {
@@ -139,16 +152,19 @@ TEST(StrokeDatasetTest, BadFilesNameTheGroup) {
     std::vector<float> heights(20, std::numeric_limits<float>::quiet_NaN());
     f.openDataSet("/strokes/00001/after_m").write(heights.data(), H5::PredType::NATIVE_FLOAT);
   });
-  EXPECT_THAT([&] { ReadStrokeFile(Temp("nan.h5")); }, Fails("/strokes/00001/after_m: height_m at row 0"));
+  EXPECT_THAT([&] { ReadStrokeFile(Temp("nan.h5")); },
+              Fails("/strokes/00001/after_m: height_m at row 0"));
   write("no_path.h5", [](H5::H5File& f) { f.unlink("/strokes/00000/path_m"); });
-  EXPECT_THAT([&] { ReadStrokeFile(Temp("no_path.h5")); }, Fails("/strokes/00000: dataset path_m is missing"));
+  EXPECT_THAT([&] { ReadStrokeFile(Temp("no_path.h5")); },
+              Fails("/strokes/00000: dataset path_m is missing"));
   write("no_strokes.h5", [](H5::H5File& f) { f.unlink("/strokes"); });
   EXPECT_THAT([&] { ReadStrokeFile(Temp("no_strokes.h5")); }, Fails("/strokes is missing"));
   write("version.h5", [](H5::H5File& f) {
     const int64_t version = 9;
     f.openAttribute("schema_version").write(H5::PredType::NATIVE_INT64, &version);
   });
-  EXPECT_THAT([&] { ReadStrokeFile(Temp("version.h5")); }, Fails("schema_version of sandwright-strokes is 9"));
+  EXPECT_THAT([&] { ReadStrokeFile(Temp("version.h5")); },
+              Fails("schema_version of sandwright-strokes is 9"));
 }
 
 TEST(StrokeDatasetTest, ReadsTheShippedGrains) {
@@ -165,7 +181,9 @@ TEST(StrokeDatasetTest, ReadsTheShippedGrains) {
       const ToolPath own = SamplePath(record.stroke, 0.002);
       EXPECT_NEAR(own.front().x_m, record.path.front().x_m, 1e-6);
       EXPECT_NEAR(own.back().y_m, record.path.back().y_m, 1e-6);
-      EXPECT_NEAR(std::remainder(own.back().yaw_rad - record.path.back().yaw_rad, 2 * std::numbers::pi), 0, 0.03);
+      EXPECT_NEAR(
+          std::remainder(own.back().yaw_rad - record.path.back().yaw_rad, 2 * std::numbers::pi), 0,
+          0.03);
     }
   }
   EXPECT_THROW(FindStrokeFiles({"nowhere"}), Error);
