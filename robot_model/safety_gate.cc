@@ -9,6 +9,7 @@
 #include "data/base/error.h"
 #include "robot_model/clearance.h"
 #include "robot_model/curve_speed.h"
+#include "robot_model/gate_figures.h"
 
 namespace sandwright {
 namespace {
@@ -26,56 +27,6 @@ constexpr double kFineLook_rad = 0.02;
 constexpr double kFootprintStep_m = 0.005, kFootprintTurn_rad = 0.1;
 // The terrain around a stroke over which hand and links may pass.
 constexpr double kHandReach_m = 0.25;
-
-// The limits with the margins that apply.
-struct Limits {
-  Limits(const MotionLimits& l, double extra_clearance_m, double extra_singular,
-         double extra_position_rad, double rates)
-      : clearance_m(l.clearance_m + extra_clearance_m),
-        singular_value(l.min_singular_value + extra_singular),
-        acceleration(l.joint_acceleration_radps2 * l.share_of_acceleration / rates),
-        jerk(l.joint_jerk_radps3 * l.share_of_acceleration / rates) {
-    for (size_t i = 0; i < 6; ++i) {
-      const auto joint = static_cast<Eigen::Index>(i);
-      position[joint] = l.joint_position_rad[i] - l.position_margin_rad - extra_position_rad;
-      rated_speed[joint] = l.joint_speed_radps[i];
-      speed[joint] = l.joint_speed_radps[i] * l.share_of_speed / rates;
-    }
-  }
-  double clearance_m, singular_value, acceleration, jerk;
-  Vector6 position, rated_speed, speed;
-};
-
-// What one way of moving the arm comes to.
-struct ArmFigures {
-  explicit ArmFigures(double seen_m) : min_clearance_m(seen_m) {}
-  std::vector<std::string> reasons;
-  double peak_speed_share = 0, min_clearance_m;
-  double min_singular_value = std::numeric_limits<double>::infinity(), duration_s = 0;
-};
-
-// The worst of each joint quantity so far, and the reasons that follow from it.
-struct JointPeaks {
-  Vector6 position = Vector6::Zero(), speed = Vector6::Zero(), acceleration = Vector6::Zero(),
-          jerk = Vector6::Zero();
-
-  static void Raise(Vector6& peak, const Vector6& value) { peak = peak.cwiseMax(value.cwiseAbs()); }
-
-  void Report(const Limits& limits, ArmFigures& figures) const {
-    figures.peak_speed_share = (speed.cwiseQuotient(limits.rated_speed)).maxCoeff();
-    for (int i = 0; i < 6; ++i) {
-      const auto over = [&](const char* what, double value, double limit, const char* unit) {
-        if (!(value <= limit))
-          figures.reasons.push_back(
-              fmt::format("joint {} {} {:.3f} {}; limit {:.3f}", i + 1, what, value, unit, limit));
-      };
-      over("position", position[i], limits.position[i], "rad");
-      over("speed", speed[i], limits.speed[i], "rad/s");
-      over("acceleration", acceleration[i], limits.acceleration, "rad/s^2");
-      over("jerk", jerk[i], limits.jerk, "rad/s^3");
-    }
-  }
-};
 
 struct Candidate {
   Branch branch;
@@ -104,7 +55,7 @@ struct SafetyGate::Impl {
                   std::vector<std::string>& reasons) const;
   double SandTop(const ToolPath& path, const HeightMap& terrain) const;
   std::vector<Candidate> Candidates(const BladePose& start, const JointAngles& near) const;
-  void LookAt(const JointAngles& q, double sand_top_m, const Limits& limits,
+  void LookAt(const JointAngles& q, double sand_top_m, const GateLimits& limits,
               ClearanceModel::Lease& lease, ArmFigures& figures) const;
   ArmFigures TryCoarse(const std::vector<PathPiece>& pieces, const Candidate& candidate,
                        const JointAngles& near, double sand_top_m,
@@ -117,7 +68,7 @@ struct SafetyGate::Impl {
   Workcell cell;
   BladeKinematics kinematics;
   ClearanceModel clearance;
-  Limits fine, coarse;
+  GateLimits fine, coarse;
 };
 
 void SafetyGate::Impl::CheckTerrain(const HeightMap& terrain,
@@ -237,7 +188,7 @@ std::vector<Candidate> SafetyGate::Impl::Candidates(const BladePose& start,
   return candidates;
 }
 
-void SafetyGate::Impl::LookAt(const JointAngles& q, double sand_top_m, const Limits& limits,
+void SafetyGate::Impl::LookAt(const JointAngles& q, double sand_top_m, const GateLimits& limits,
                               ClearanceModel::Lease& lease, ArmFigures& figures) const {
   const double singular = SmallestSingularValue(kinematics.arm().Jacobian(q));
   figures.min_singular_value = std::min(figures.min_singular_value, singular);
