@@ -19,6 +19,7 @@ struct StrokeRecord {
   Blade blade;
   int64_t sequence = 0, step = 0;           // `after` of a step is `before` of the next
   std::optional<std::string> replicate_of;  // same terrain and stroke as that group, other packing
+  std::optional<std::string> time = {};     // of the stroke, ISO 8601
 };
 
 // One file: strokes of one source on one bed.
@@ -28,6 +29,7 @@ struct StrokeFile {
   int64_t seed = 0;
   std::string material = "{}";  // JSON text: whatever the source used
   std::vector<StrokeRecord> strokes;
+  std::optional<std::string> workcell = {};  // hash of the cell that it was recorded in
 };
 
 // Throws Error naming file and group: missing, truncated or foreign files, other schema or version,

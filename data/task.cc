@@ -80,7 +80,7 @@ std::vector<Task> ReadTasks(const std::filesystem::path& file) {
       task.terrain = ReadTaskMap(group, "terrain_m", cell_size_m, where);
       task.goal = ReadTaskMap(group, "goal_m", cell_size_m, where);
       task.goal.mask = ReadArray<uint8_t>(group, "mask", where).values;
-      task.max_strokes = static_cast<int>(ReadNumber(group, "max_strokes", where));
+      task.max_strokes = static_cast<int>(ReadInteger(group, "max_strokes", where));
       task.terrain.datum = task.goal.datum = ReadDatum(group, where);
       CheckTask(task, where);
       FillMask(task.goal);

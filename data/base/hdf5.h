@@ -29,6 +29,7 @@ bool HasDataset(const H5::Group& group, const std::string& name);
 
 // `where` (file and group) goes into messages.
 double ReadNumber(const H5::H5Object& object, const std::string& name, const std::string& where);
+int64_t ReadInteger(const H5::H5Object& object, const std::string& name, const std::string& where);
 std::string ReadText(const H5::H5Object& object, const std::string& name, const std::string& where);
 void WriteNumber(H5::H5Object& object, const std::string& name, double value);
 void WriteInteger(H5::H5Object& object, const std::string& name, int64_t value);
