@@ -102,7 +102,8 @@ void Collect(const FieldList& list, const std::string& source, const YAML::Node&
     throw Error(
         fmt::format("{}: '{}' must be a map of keys", source, prefix.empty() ? "/" : prefix));
   for (const auto& entry : node) {
-    const std::string key = prefix + entry.first.as<std::string>();
+    if (!entry.first.IsScalar()) throw Error(source + ": a key must be a word, not a list or map");
+    const std::string key = prefix + entry.first.Scalar();
     const bool is_field = std::ranges::any_of(list.fields(), [&](auto& f) { return f.key == key; });
     if (!is_field && entry.second.IsMap()) {
       Collect(list, source, entry.second, key + ".", out);

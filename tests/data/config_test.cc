@@ -101,6 +101,8 @@ TEST_F(ConfigTest, BadFilesNameTheFile) {
   EXPECT_THAT([&] { LoadYaml(fields_, file); }, Fails("config_test_bad.yaml: not YAML"));
   WriteFileAtomically(file, "ppo:\n  clip_rang: 1\n");
   EXPECT_THAT([&] { LoadYaml(fields_, file); }, Fails("unknown key 'ppo.clip_rang'"));
+  WriteFileAtomically(file, "? [1, 2]\n: 3\n");
+  EXPECT_THAT([&] { LoadYaml(fields_, file); }, Fails("a key must be a word"));
 }
 
 TEST_F(ConfigTest, HelpStatesDefaultAndRange) {
