@@ -35,7 +35,8 @@ ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate&
   while (static_cast<int>(run.strokes.size()) < job.max_strokes &&
          rejected_in_a_row < job.max_rejected_in_a_row &&
          run.final_error_m() > job.success_error_m) {
-    ThrowIfStopRequested();
+    run.stopped = StopRequested();
+    if (run.stopped) break;
     ShapingStroke step;
     auto clock = std::chrono::steady_clock::now();
     const TaskView view{.sensed = sensed,

@@ -36,7 +36,8 @@ struct ShapingStroke {
 
 struct ShapingRun {
   double start_error_m = 0;
-  std::vector<ShapingStroke> strokes;  // rejected ones too, in order
+  std::vector<ShapingStroke> strokes = {};  // rejected ones too, in order
+  bool stopped = false;                     // by Ctrl-C, before it had to end
   int rejected() const;
   double final_error_m() const {
     return strokes.empty() ? start_error_m : strokes.back().goal_error_m;
@@ -48,7 +49,8 @@ using Execute = std::function<HeightMap(const StrokeMotion&)>;
 
 // Runs until the goal error is at most success_error_m, the strokes are used up, or too many in a
 // row are rejected. Without `execute` the model's prediction is taken for the result: that is
-// planning. Error where the goal's grid is another or the terrain's datum is relative.
+// planning. After Ctrl-C no further stroke is chosen. Error where the goal's grid is another or the
+// terrain's datum is relative.
 ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate& gate,
                          const ShapingJob& job, RandomStream stream,
                          const Execute& execute = nullptr);

@@ -59,6 +59,7 @@ nlohmann::json Evaluation::ToJson() const {
   json["agent"] = agent;
   json["world"] = world;
   json["tasks"] = per_task.size();
+  json["stopped"] = stopped;
   const double count = std::max(strokes, 1.0);
   json["model_evaluations_per_stroke"] = model_evaluations / count;
   json["ms_per_stroke_agent"] = 1e3 * agent_s / count;
@@ -84,8 +85,8 @@ Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& confi
     std::vector<size_t> running;
     for (size_t i = 0; i < episodes.size(); ++i)
       if (!episodes[i].ended()) running.push_back(i);
-    if (running.empty()) break;
-    ThrowIfStopRequested();
+    result.stopped = StopRequested();
+    if (running.empty() || result.stopped) break;
     std::vector<TaskView> views;
     std::vector<RandomStream> drawing;
     for (size_t i : running) views.push_back(View(episodes[i])), drawing.push_back(streams[i]);

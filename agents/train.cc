@@ -127,6 +127,7 @@ class Run {
     WriteSafetensors(Pack(), run_.folder / "agent.safetensors");
     return {{"steps", ppo_.steps()},
             {"seconds", progress.elapsed_s()},
+            {"seed", run_.seed},
             {"device", torch::DeviceTypeName(device_.type(), true)},
             {"validation_in_goal_mean_diff_start_mm", start_mm_},
             {"validation_in_goal_mean_diff_mm", last_mm_},
@@ -142,6 +143,7 @@ class Run {
   std::map<std::string, double> Validate() {
     PolicyAgent agent("policy", card_, network_, device_);
     const Evaluation result = Evaluate(agent, world_, config_.env.episode, validation_, run_.seed);
+    if (result.stopped) return {};  // half-played tasks tell nothing; a checkpoint comes next
     start_mm_ = result.Mean("in_goal_mean_diff_start_mm");
     last_mm_ = result.Mean("in_goal_mean_diff_mm");
     if (last_mm_ < best_mm_) {

@@ -48,46 +48,44 @@ class EvalCommand final : public Command {
     const std::vector<Task> tasks = Tasks();
     int64_t budget = 0;
     for (const Task& task : tasks) budget += task.max_strokes;
-    Evaluation result;
-    {
-      Progress progress("eval " + agent->name(), budget, "strokes");
-      result = Evaluate(*agent, {world ? *world : *model, gate.get(), threads()},
-                        EpisodeConfigFor(*agent, episode_), tasks, seed(),
-                        [&](int64_t strokes) { progress.Update(strokes); });
-    }
+    Progress progress("eval " + agent->name(), budget, "strokes");
+    const Evaluation result = Evaluate(*agent, {world ? *world : *model, gate.get(), threads()},
+                                       EpisodeConfigFor(*agent, episode_), tasks, seed(),
+                                       [&](int64_t strokes) { progress.Update(strokes); });
     if (!pictures_.empty()) DrawEvaluation(result, tasks, pictures_);
+    const auto mean = [&](const char* metric) { return result.Mean(metric); };
     fmt::print(
         "{} on {} tasks: goal error {:.2f} -> {:.2f} mm, {:.1f} strokes, {:.2f} rejected, success "
         "{:.0f} %\n",
-        agent_, tasks.size(), result.Mean("in_goal_mean_diff_start_mm"),
-        result.Mean("in_goal_mean_diff_mm"), result.Mean("strokes"),
-        result.Mean("rejected_strokes"), 100 * result.Mean("success"));
+        agent_, tasks.size(), mean("in_goal_mean_diff_start_mm"), mean("in_goal_mean_diff_mm"),
+        mean("strokes"), mean("rejected_strokes"), 100 * mean("success"));
     nlohmann::json json = result.ToJson();
     json["model"] = model->name();
     WriteResult(json);
-    return 0;
+    return result.stopped ? 130 : 0;
   }
 
  private:
   std::vector<Task> Tasks() const {
-    if (!tasks_file_.empty()) {
-      std::vector<Task> tasks = ReadTasks(tasks_file_);
-      if (static_cast<size_t>(episodes_) > tasks.size())
-        throw Error(
-            fmt::format("--episodes {}: {} holds {} tasks", episodes_, tasks_file_, tasks.size()));
-      if (episodes_ > 0) tasks.resize(static_cast<size_t>(episodes_));
+    std::vector<Task> tasks;
+    if (tasks_file_.empty()) {
+      for (uint64_t i = 0; i < static_cast<uint64_t>(episodes_ > 0 ? episodes_ : 50); ++i) {
+        RandomStream stream(seed(), kEvaluationTasks, i);
+        tasks.push_back(GenerateTask(task_, stream));
+      }
       return tasks;
     }
-    std::vector<Task> tasks;
-    for (uint64_t i = 0; i < static_cast<uint64_t>(episodes_ > 0 ? episodes_ : 50); ++i) {
-      RandomStream stream(seed(), kEvaluationTasks, i);
-      tasks.push_back(GenerateTask(task_, stream));
-    }
+    tasks = ReadTasks(tasks_file_);
+    const auto wanted = static_cast<size_t>(episodes_ > 0 ? episodes_ : std::ssize(tasks));
+    if (wanted > tasks.size())
+      throw Error(
+          fmt::format("--episodes {}: {} holds {} tasks", wanted, tasks_file_, tasks.size()));
+    tasks.resize(wanted);
     return tasks;
   }
 
-  std::string agent_, model_ = "heightfield", world_, tasks_file_, pictures_, device_ = "auto",
-                      workcell_;
+  std::string agent_, model_ = "heightfield", world_, tasks_file_, pictures_, workcell_;
+  std::string device_ = "auto";
   int episodes_ = 0;
   TaskConfig task_;
   EpisodeConfig episode_;

@@ -7,6 +7,7 @@
 #include "agents/evaluate.h"
 #include "agents/load_agent.h"
 #include "cli/command.h"
+#include "data/base/stop.h"
 #include "data/shipped.h"
 #include "env/load_sand_model.h"
 
@@ -38,8 +39,9 @@ class PlanCommand final : public Command {
     const auto model = LoadSandModel(model_, heightfield_);
     const SafetyGate gate(
         LoadWorkcell(workcell_.empty() ? ShippedConfig("workcell.yaml").string() : workcell_));
-    const auto agent =
-        LoadAgent(agent_, {.model = *model, .greedy = greedy_, .speed_mps = episode_.speed_mps});
+    const auto agent = LoadAgent(
+        agent_,
+        {.model = *model, .greedy = greedy_, .speed_mps = episode_.speed_mps, .gate = &gate});
     const Task task{ReadHeightMap(terrain_), ReadGoal(goal_), max_strokes_};
     CheckTask(task, goal_);
     const ShapingRun run =
@@ -64,16 +66,18 @@ class PlanCommand final : public Command {
                              {"model", model->name()},
                              {"strokes", strokes},
                              {"rejected_strokes", run.rejected()},
+                             {"stopped", run.stopped},
                              {"in_goal_mean_diff_start_mm", 1e3 * run.start_error_m},
                              {"in_goal_mean_diff_mm", 1e3 * run.final_error_m()}};
     if (plan.strokes.empty() && !run.strokes.empty())
       throw Error("the gate rejected every stroke", run.strokes.back().verdict.reasons);
+    if (plan.strokes.empty()) ThrowIfStopRequested();
     WritePlan(plan, out_);
     fmt::print("{} strokes ({} rejected), goal error {:.2f} -> {:.2f} mm as predicted by {}: {}\n",
                plan.strokes.size(), run.rejected(), 1e3 * run.start_error_m,
                1e3 * run.final_error_m(), model->name(), out_);
     WriteResult(result);
-    return 0;
+    return run.stopped ? 130 : 0;
   }
 
  private:

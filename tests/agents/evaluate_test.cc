@@ -4,10 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <cstdlib>
+
 #include "agents/greedy.h"
 #include "agents/load_agent.h"
 #include "agents/random_agent.h"
 #include "data/base/error.h"
+#include "data/base/stop.h"
 #include "env/heightfield.h"
 #include "env/task_generator.h"
 
@@ -59,6 +63,20 @@ TEST(Evaluate, StillSandKeepsTheStartError) {
   for (const char* key : {"agent", "rmse_mm", "rejected_strokes", "success_rate",
                           "ms_per_stroke_agent", "ms_per_stroke_world"})
     EXPECT_TRUE(json.contains(key)) << key;
+}
+
+TEST(EvaluateDeathTest, AStopKeepsTheStrokesSoFar) {
+  EXPECT_EXIT(
+      {
+        InstallStopHandler();
+        const std::vector<Task> tasks = SmallTasks(2);
+        const StillSand sand;
+        RandomAgent agent;
+        const auto stop = [](int64_t) { std::raise(SIGINT); };
+        const auto json = Evaluate(agent, {sand, nullptr, 1}, {}, tasks, 7, stop).ToJson();
+        std::_Exit(json["stopped"] == true && json["strokes"] == 1.0 ? 7 : 8);
+      },
+      ::testing::ExitedWithCode(7), "");
 }
 
 TEST(Evaluate, NoTasksIsAnError) {
