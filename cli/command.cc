@@ -26,6 +26,8 @@ void Command::Configure(const std::vector<std::string>& overrides) {
   const std::string file = config_file_.empty() ? DefaultConfigFile() : config_file_;
   if (!file.empty()) LoadYaml(fields_, file);
   ApplyOverrides(fields_, overrides);
+  // An hour of work must not end at a folder that is not there.
+  if (!json_file_.empty()) AtomicFile{json_file_};
 }
 
 nlohmann::json Command::ResolvedConfig() const { return ToJson(fields_); }
@@ -33,7 +35,7 @@ nlohmann::json Command::ResolvedConfig() const { return ToJson(fields_); }
 nlohmann::json Command::WithRun(nlohmann::json result) const {
   result["command"] = name_;
   result["config"] = ResolvedConfig();
-  result["seed"] = seed_;
+  if (!result.contains("seed")) result["seed"] = seed_;
   if (!result.contains("threads")) result["threads"] = threads_;
   result["version"] = BuildVersion();
   result["commit"] = BuildCommit();

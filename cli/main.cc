@@ -2,7 +2,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <functional>
+#include <filesystem>
 #include <iostream>
 #include <regex>
 
@@ -98,6 +98,9 @@ int Main(int argc, char** argv) {
       spdlog::error("{}", e.what());
       if (e.kind() == ErrorKind::kRefused) command->WriteRefusal(e.reasons());
       return ExitCode(e);
+    } catch (const std::filesystem::filesystem_error& e) {
+      spdlog::error("{}", e.what());  // names the file or folder and what the system said
+      return 2;
     } catch (const std::exception& e) {
       spdlog::error("internal fault: {}", e.what());
       return 1;
