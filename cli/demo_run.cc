@@ -1,11 +1,12 @@
 #include "cli/demo_run.h"
 
-#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "agents/load_agent.h"
 #include "data/shipped.h"
@@ -107,6 +108,8 @@ void AddMotion(const std::vector<ExecutedStroke>& executed, const ShapingRun& ru
       report.joints_rad.push_back(joints);
     }
     offset_s = report.time_s.back();
+    report.time_s.push_back(std::numeric_limits<double>::quiet_NaN());
+    report.joints_rad.emplace_back();
     const ToolPath plan = SamplePath(stroke.stroke, 5e-4);
     for (const BladePose& pose : done.path) {
       double nearest_m = 1;
@@ -134,58 +137,69 @@ void AddArmPicture(const Workcell& cell, const ShapingRun& run, const HeightMap&
   }
 }
 
-std::string ScriptOf(const ShapingRun& run, const SafetyGate& gate, const HeightMap& terrain) {
-  std::vector<Stroke> strokes;
+// The accepted strokes as one plan and, where they are safe one after another on the bed as it was
+// scanned first, as one program.
+void AddPlan(const ShapingRun& run, const SafetyGate& gate, DemoReport& report) {
   for (const ShapingStroke& stroke : run.strokes) {
-    if (stroke.verdict.accepted) strokes.push_back(stroke.stroke);
+    if (stroke.verdict.accepted) report.plan.strokes.push_back(stroke.stroke);
   }
-  const PlanVerdict verdict = CheckPlan(gate, strokes, terrain);
-  if (!verdict.accepted)
-    throw Error("the gate rejects the strokes as one program", verdict.reasons);
-  return MakeUrScript(strokes, verdict, gate, "sandwright_demo");
+  const PlanVerdict verdict = CheckPlan(gate, report.plan.strokes, report.terrain);
+  if (!verdict.accepted) {
+    report.urscript_note = fmt::format(
+        "There is no program: on the bed as it was scanned first the gate rejects the strokes "
+        "({}).",
+        fmt::join(verdict.reasons, "; "));
+    return;
+  }
+  report.plan.seal = MakeSeal(report.plan.strokes, report.cell, report.terrain);
+  report.urscript = MakeUrScript(report.plan.strokes, verdict, gate, "sandwright_demo");
+  report.urscript_note =
+      "The same strokes as a program for the CB3 controller; it went through the gate on its way "
+      "out.";
+}
+
+// Frame, terrain and what the scan has to say.
+void ScanFrame(const std::string& frame_file, const DemoConfig& config, DemoReport& report) {
+  const DepthFrame frame = ReadDepthFrame(frame_file);
+  const ScanResult scan =
+      ScanDepth({&frame, 1}, config.rig.camera, config.scan, {.sand_depth_m = config.sand_depth_m});
+  if (!scan.accepted) throw Error(frame_file + " is not a bed of sand", scan.reasons);
+  report.frame_name = std::filesystem::path(frame_file).filename().string();
+  report.frame = DrawFrame(frame);
+  report.terrain = scan.map;
+  report.scan_summary = fmt::format(
+      "The walls were found, {:.2f} degrees of tilt taken out; {:.1f} % of the pixels in the box "
+      "had no reading; a single reading on the sand scatters by {:.2f} mm. The floor lies hidden "
+      "under the sand: a mean depth of {:.0f} mm was given and sets the zero.",
+      scan.tilt_removed_deg, 100 * scan.invalid_share, scan.noise_mm, 1e3 * config.sand_depth_m);
 }
 
 }  // namespace
 
 DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t seed, int threads) {
   Timings timings;
-  const DepthFrame frame = ReadDepthFrame(frame_file);
-  const ScanResult scan =
-      ScanDepth({&frame, 1}, config.rig.camera, config.scan, {.sand_depth_m = config.sand_depth_m});
-  if (!scan.accepted) throw Error(frame_file + " is not a bed of sand", scan.reasons);
+  DemoReport report;
+  ScanFrame(frame_file, config, report);
   timings.Mark("scan");
 
-  DemoReport report;
-  report.frame_name = std::filesystem::path(frame_file).filename().string();
-  report.frame = DrawFrame(frame);
-  report.terrain = scan.map;
-  report.scan_summary = fmt::format(
-      "The walls were found, {:.2f} degrees of tilt taken out; {:.1f} % of the pixels in the box "
-      "had no reading; "
-      "a single reading on the sand scatters by {:.2f} mm. The floor lies hidden under the sand: a "
-      "mean depth of "
-      "{:.0f} mm was given and sets the zero.",
-      scan.tilt_removed_deg, 100 * scan.invalid_share, scan.noise_mm, 1e3 * config.sand_depth_m);
-  const Region region{(scan.map.width_m() - config.region_m) / 2,
-                      (scan.map.depth_m() - config.region_m) / 2, config.region_m, config.region_m};
+  const double side_m = config.region_m, width_m = report.terrain.width_m(),
+               depth_m = report.terrain.depth_m();
+  const Region region{(width_m - side_m) / 2, (depth_m - side_m) / 2, side_m, side_m};
   report.region = region;
-  report.goal = MakeGoal(ShapeFor(config, region), scan.map, region, 1);
-
-  const Workcell cell = CellFor(scan.map);
-  const SafetyGate gate(cell);
+  report.goal = MakeGoal(ShapeFor(config, region), report.terrain, region, 1);
+  report.cell = CellFor(report.terrain);
+  const SafetyGate gate(report.cell);
   HeightfieldConfig model_config;
   model_config.threads = config.world.threads = threads;
   const auto model = LoadSandModel(config.model, model_config);
   const Heightfield world(config.world);
-  report.blade = cell.tool.blade;
   report.model = fmt::format("Predictions come from the sand model \"{}\".", config.model);
   report.world = fmt::format(
       "The strokes are executed in another sand: a heightfield with a repose angle of {:.0f} "
-      "degrees, which the "
-      "model does not know, under a blade that follows its path as well as the simulated servos "
-      "do.",
+      "degrees, which the model does not know, under a blade that follows its path as well as the "
+      "simulated servos do.",
       config.world.repose_deg);
-  const ShapingJob job{.terrain = scan.map,
+  const ShapingJob job{.terrain = report.terrain,
                        .goal = report.goal,
                        .region = region,
                        .max_strokes = static_cast<int>(config.max_strokes),
@@ -194,27 +208,29 @@ DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t se
 
   std::vector<ExecutedStroke> executed;
   for (const std::string& name : {config.agent, std::string("greedy"), std::string("random")}) {
-    if (!report.runs.empty() && name == config.agent)
-      continue;  // a rival is not shown beside itself
-    const auto agent =
-        LoadAgent(name, {.model = *model, .greedy = {}, .speed_mps = config.speed_mps});
+    if (!report.runs.empty() && name == config.agent) continue;  // no rival beside itself
+    const auto agent = LoadAgent(
+        name, {.model = *model, .greedy = {}, .speed_mps = config.speed_mps, .gate = &gate});
     const bool first = report.runs.empty();
     report.runs.push_back(
         RunAgent(*agent, *model, gate, job, world, config, seed, first ? &executed : nullptr));
     timings.Mark(agent->name() + ": strokes chosen, gated, executed, rescanned");
+    report.stopped = report.runs.back().run.stopped;
+    if (report.stopped) break;
   }
   const ShapingRun& run = report.runs.front().run;
   AddMotion(executed, run, report);
-  AddArmPicture(cell, run, scan.map, report);
+  AddArmPicture(report.cell, run, report.terrain, report);
   timings.Mark("picture of the arm");
-  report.urscript = ScriptOf(run, gate, scan.map);
-  timings.Mark("URScript");
+  AddPlan(run, gate, report);
+  timings.Mark("plan and URScript");
   report.timings_s = timings.parts();
   return report;
 }
 
 nlohmann::json DemoJson(const DemoReport& report) {
   nlohmann::json json = {{"frame", report.frame_name},
+                         {"stopped", report.stopped},
                          {"tracking_error_mm", report.tracking_error_mm}};
   for (const DemoRun& run : report.runs) {
     nlohmann::json strokes = nlohmann::json::array();

@@ -43,7 +43,7 @@ struct DemoConfig {
   }
 };
 
-// Throws Error (kRefused) where the frame is not sand in a box.
+// Throws Error (kRefused) where the frame is not sand in a box. After Ctrl-C: what was done so far.
 DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t seed, int threads);
 
 // The keys of demo.json.
