@@ -36,8 +36,11 @@ std::string DrawChart(const Chart& chart) {
   };
   for (const ChartSeries& series : chart.series) {
     SAND_CHECK(series.x.size() == series.y.size(), series.name);
-    for (double x : series.x) x_low = std::min(x_low, x), x_high = std::max(x_high, x);
-    for (double y : series.y) include_y(y);
+    for (size_t i = 0; i < series.x.size(); ++i) {
+      if (std::isnan(series.x[i])) continue;
+      x_low = std::min(x_low, series.x[i]), x_high = std::max(x_high, series.x[i]);
+      include_y(series.y[i]);
+    }
   }
   SAND_CHECK(x_low <= x_high);
   if (chart.reference_y) include_y(*chart.reference_y);
@@ -76,15 +79,26 @@ std::string DrawChart(const Chart& chart) {
         "<line class=\"reference\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>"
         "<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n",
         left, left + plot_width, py(*chart.reference_y), py(*chart.reference_y),
-        left + plot_width - 4, py(*chart.reference_y) - 5, chart.reference_name);
+        left + plot_width - 4, py(*chart.reference_y) + 15, chart.reference_name);
   }
   double legend_x = left;
   for (const ChartSeries& series : chart.series) {
     std::string points;
-    for (size_t i = 0; i < series.x.size(); ++i)
-      points += fmt::format("{:.1f},{:.1f} ", px(series.x[i]), py(series.y[i]));
-    svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n",
-                       points, series.colour);
+    const auto finish_line = [&] {
+      if (!points.empty())
+        svg += fmt::format(
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n", points,
+            series.colour);
+      points.clear();
+    };
+    for (size_t i = 0; i < series.x.size(); ++i) {
+      if (std::isnan(series.x[i])) {
+        finish_line();
+      } else {
+        points += fmt::format("{:.1f},{:.1f} ", px(series.x[i]), py(series.y[i]));
+      }
+    }
+    finish_line();
     for (size_t i = 0; series.markers && i < series.x.size(); ++i)
       svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"{}\"/>",
                          px(series.x[i]), py(series.y[i]), series.colour);

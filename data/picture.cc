@@ -33,10 +33,10 @@ constexpr std::array<Rgb, 5> kSand = {
 constexpr std::array<Rgb, 5> kDiverging = {
     {{20, 60, 150}, {110, 165, 220}, {247, 247, 247}, {235, 140, 105}, {160, 20, 35}}};
 
-cv::Mat Enlarge(const cv::Mat& cells, int pixels_per_cell) {
+cv::Mat Enlarge(const cv::Mat& cells, int pixels_per_cell, int interpolation) {
   cv::Mat flipped, out;
   cv::flip(cells, flipped, 0);
-  cv::resize(flipped, out, {}, pixels_per_cell, pixels_per_cell, cv::INTER_NEAREST);
+  cv::resize(flipped, out, {}, pixels_per_cell, pixels_per_cell, interpolation);
   return out;
 }
 
@@ -65,7 +65,7 @@ cv::Mat DrawHeights(const HeightMap& map, double low_m, double high_m, int pixel
           Colour(kSand, (h - low_m) / span, std::clamp(shade, 0.45, 1.25));
     }
   }
-  return Enlarge(image, pixels_per_cell);
+  return Enlarge(image, pixels_per_cell, cv::INTER_CUBIC);  // relief reads better without steps
 }
 
 cv::Mat DrawDifference(const HeightMap& a, const HeightMap& b, double range_m,
@@ -81,7 +81,7 @@ cv::Mat DrawDifference(const HeightMap& a, const HeightMap& b, double range_m,
           counts ? Colour(kDiverging, 0.5 + 0.5 * d / range_m) : cv::Vec3b{225, 225, 225};
     }
   }
-  return Enlarge(image, pixels_per_cell);
+  return Enlarge(image, pixels_per_cell, cv::INTER_NEAREST);
 }
 
 void DrawPath(cv::Mat& image, const HeightMap& map, const ToolPath& path, const Blade& blade,

@@ -4,6 +4,7 @@
 #include <EGL/eglext.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -86,8 +87,8 @@ mjvCamera CameraOnBox(const Workcell& workcell) {
   camera.type = mjCAMERA_FREE;
   for (int i = 0; i < 3; ++i) camera.lookat[i] = aim[i];
   camera.distance = 0.75 + 1.2 * std::max(workcell.box.width_m, middle.norm());
-  // Towards the base, 35 degrees off the line to the box: blade and furrow stay in sight.
-  camera.azimuth = std::atan2(-middle.y(), -middle.x()) * 180 / 3.14159265358979 + 35;
+  // Towards the base, 35 degrees off the line to the box: blade, camera and furrow stay in sight.
+  camera.azimuth = std::atan2(-middle.y(), -middle.x()) * 180 / 3.14159265358979 - 35;
   camera.elevation = -30;
   return camera;
 }
@@ -103,6 +104,10 @@ struct ArmPicture::Impl {
     model->vis.global.offwidth = width_px;
     model->vis.global.offheight = height_px;
     model->vis.quality.offsamples = 4;
+    model->vis.quality.numslices = 64;
+    model->vis.quality.shadowsize = 8192;
+    std::ranges::fill(model->vis.headlight.ambient, 0.35f);  // what lies in the shadow is seen too
+    std::ranges::fill(model->vis.headlight.specular, 0.1f);
     mjv_defaultOption(&option);
     mjv_defaultScene(&scene);
     mjr_defaultContext(&context);

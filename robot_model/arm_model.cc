@@ -127,8 +127,8 @@ void AddLight(mjSpec* spec, mjsBody* world, const Workcell& cell) {
   std::ranges::copy(lamp, light->pos);
   std::ranges::copy((aim - lamp).normalized(), light->dir);
   light->type = mjLIGHT_DIRECTIONAL;
-  std::ranges::fill(light->ambient, 0.20f);
-  std::ranges::fill(light->diffuse, 0.50f);
+  std::ranges::fill(light->ambient, 0.10f);
+  std::ranges::fill(light->diffuse, 0.40f);
   std::ranges::fill(light->specular, 0.1f);
   mjsTexture* sky = mjs_addTexture(spec, nullptr);
   mjs_setName(sky->element, "sky");
