@@ -31,7 +31,8 @@ struct Evaluation {
 
 // Plays every task to its end, all tasks side by side. The agent's randomness on task i and the
 // sensor noise come from streams of (seed, purpose, i), so a task's result depends neither on the
-// others nor on threads. `progress` gets the strokes so far. After Ctrl-C no further stroke is chosen.
+// others nor on threads. `progress` gets the strokes so far. After Ctrl-C no further stroke is
+// chosen.
 Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& config,
                     std::span<const Task> tasks, uint64_t seed,
                     const std::function<void(int64_t)>& progress = {});

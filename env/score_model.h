@@ -53,8 +53,8 @@ struct ScoreReport {
 // taken over the union of the score windows so far, and pooled over the sequences that reach it.
 //
 // Error: a file without strokes, a blade other than the model's, cells that do not divide the map,
-// a replicate of a group that the file does not hold. After Ctrl-C the report is over the strokes so
-// far; it throws kInterrupted where there are none.
+// a replicate of a group that the file does not hold. After Ctrl-C the report is over the strokes
+// so far; it throws kInterrupted where there are none.
 ScoreReport ScoreModel(const SandModel& model, std::span<const std::filesystem::path> files,
                        const ScoreConfig& config);
 
