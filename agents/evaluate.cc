@@ -116,10 +116,12 @@ void DrawEvaluation(const Evaluation& evaluation, std::span<const Task> tasks,
   std::filesystem::create_directories(folder, failure);
   if (failure) throw Error("cannot make folder " + folder.string() + ": " + failure.message());
   for (size_t i = 0; i < tasks.size(); ++i) {
-    const auto& [terrain, goal, unused] = tasks[i];
-    const auto [low, high] = std::ranges::minmax(terrain.height_m);
+    const HeightMap &terrain = tasks[i].terrain, &goal = tasks[i].goal;
+    const auto range = std::ranges::minmax(terrain.height_m);
     const int scale = std::max(1, kPicturePixels / std::max(terrain.rows, terrain.columns));
-    const auto heights = [&](const HeightMap& map) { return DrawHeights(map, low, high, scale); };
+    const auto heights = [&](const HeightMap& map) {
+      return DrawHeights(map, range.min, range.max, scale);
+    };
     const auto error = [&](const HeightMap& map) {
       return DrawDifference(map, goal, kPictureError_m, scale);
     };
