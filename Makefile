@@ -15,7 +15,7 @@ setup:
 	@./setup.sh $(PYTHON)
 
 build: setup
-	@cmake --preset $(PRESET) -DSANDWRIGHT_PYTHON=$(abspath $(PYTHON)) $(CMAKE_FLAGS) --log-level=NOTICE
+	@cmake --preset $(PRESET) -DSANDWRIGHT_PYTHON=$(abspath $(shell command -v $(PYTHON))) $(CMAKE_FLAGS) --log-level=NOTICE
 	@cmake --build --preset $(PRESET) -j $(JOBS)
 
 test: build

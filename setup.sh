@@ -32,7 +32,8 @@ fi
 if [ "$python" != .venv/bin/python ]; then
   "$python" -c 'import importlib.util as u, sys
 missing = [m for m in ("torch", "mujoco") if u.find_spec(m) is None]
-sys.exit("error: " + sys.executable + " lacks " + ", ".join(missing) if missing else 0)'
+sys.exit("error: %s lacks %s; versions that serve are in requirements.txt: %s -m pip install -r requirements.txt"
+         % (sys.executable, " and ".join(missing), sys.executable) if missing else 0)'
 elif ! cmp -s requirements.txt .venv/requirements.installed; then
   echo "installing the wheels of requirements.txt into .venv"
   [ -x .venv/bin/python ] || python3 -m venv .venv

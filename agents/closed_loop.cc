@@ -19,11 +19,12 @@ double Lap_ms(std::chrono::steady_clock::time_point& start) {
 }  // namespace
 
 int ShapingRun::rejected() const {
-  return static_cast<int>(std::ranges::count_if(strokes, [](auto& s) { return !s.verdict.accepted; }));
+  return static_cast<int>(
+      std::ranges::count_if(strokes, [](auto& s) { return !s.verdict.accepted; }));
 }
 
-ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate& gate, const ShapingJob& job,
-                         RandomStream stream, const Execute& execute) {
+ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate& gate,
+                         const ShapingJob& job, RandomStream stream, const Execute& execute) {
   CheckTask({job.terrain, job.goal, job.max_strokes}, "shaping job");
   if (job.terrain.datum != Datum::kFloor)
     throw Error("the terrain's datum is relative: strokes need heights above the box floor");
@@ -32,8 +33,10 @@ ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate&
   std::optional<JointAngles> arm;  // where the last stroke left it
   int rejected_in_a_row = 0;
   while (static_cast<int>(run.strokes.size()) < job.max_strokes &&
-         rejected_in_a_row < job.max_rejected_in_a_row && run.final_error_m() > job.success_error_m) {
-    ThrowIfStopRequested();
+         rejected_in_a_row < job.max_rejected_in_a_row &&
+         run.final_error_m() > job.success_error_m) {
+    run.stopped = StopRequested();
+    if (run.stopped) break;
     ShapingStroke step;
     auto clock = std::chrono::steady_clock::now();
     const TaskView view{.sensed = sensed,

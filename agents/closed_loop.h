@@ -26,28 +26,33 @@ struct ShapingJob {
 // One stroke of a run. A rejected stroke has reasons and moves nothing.
 struct ShapingStroke {
   Stroke stroke;
-  GateVerdict verdict;    // fine sampling, on `before`
-  HeightMap before;       // sensed
-  HeightMap predicted;    // by the model, from `before`
-  HeightMap after;        // sensed after the execution; without a rig the prediction
+  GateVerdict verdict;      // fine sampling, on `before`
+  HeightMap before;         // sensed
+  HeightMap predicted;      // by the model, from `before`
+  HeightMap after;          // sensed after the execution; without a rig the prediction
   double goal_error_m = 0;  // of `after`
   double choose_ms = 0, gate_ms = 0, predict_ms = 0;
 };
 
 struct ShapingRun {
   double start_error_m = 0;
-  std::vector<ShapingStroke> strokes;  // rejected ones too, in order
+  std::vector<ShapingStroke> strokes = {};  // rejected ones too, in order
+  bool stopped = false;                     // by Ctrl-C, before it had to end
   int rejected() const;
-  double final_error_m() const { return strokes.empty() ? start_error_m : strokes.back().goal_error_m; }
+  double final_error_m() const {
+    return strokes.empty() ? start_error_m : strokes.back().goal_error_m;
+  }
 };
 
 // Executes one gated motion and returns the bed as sensed afterwards, on the terrain's grid.
 using Execute = std::function<HeightMap(const StrokeMotion&)>;
 
-// Runs until the goal error is at most success_error_m, the strokes are used up, or too many in a row
-// are rejected. Without `execute` the model's prediction is taken for the result: that is planning.
-// Error where the goal's grid is another or the terrain's datum is relative.
-ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate& gate, const ShapingJob& job,
-                         RandomStream stream, const Execute& execute = nullptr);
+// Runs until the goal error is at most success_error_m, the strokes are used up, or too many in a
+// row are rejected. Without `execute` the model's prediction is taken for the result: that is
+// planning. After Ctrl-C no further stroke is chosen. Error where the goal's grid is another or the
+// terrain's datum is relative.
+ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate& gate,
+                         const ShapingJob& job, RandomStream stream,
+                         const Execute& execute = nullptr);
 
 }  // namespace sandwright

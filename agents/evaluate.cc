@@ -34,7 +34,8 @@ nlohmann::json MetricsToJson(const std::map<std::string, double>& metrics) {
   return json;
 }
 
-std::vector<EpisodeState> StartAll(const SandModel& sand, std::span<const Task> tasks, const EpisodeConfig& config, uint64_t seed) {
+std::vector<EpisodeState> StartAll(const SandModel& sand, std::span<const Task> tasks, const EpisodeConfig& config,
+                                   uint64_t seed) {
   std::vector<EpisodeState> episodes;
   for (size_t i = 0; i < tasks.size(); ++i) {
     const RandomStream noise(seed, StreamId("evaluation noise"), i);
@@ -58,6 +59,7 @@ nlohmann::json Evaluation::ToJson() const {
   json["agent"] = agent;
   json["world"] = world;
   json["tasks"] = per_task.size();
+  json["stopped"] = stopped;
   const double count = std::max(strokes, 1.0);
   json["model_evaluations_per_stroke"] = model_evaluations / count;
   json["ms_per_stroke_agent"] = 1e3 * agent_s / count;
@@ -75,15 +77,16 @@ Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& confi
   result.world = world.sand.name();
   std::vector<EpisodeState> episodes = StartAll(world.sand, tasks, config, seed);
   std::vector<RandomStream> streams;
-  for (size_t i = 0; i < tasks.size(); ++i) streams.emplace_back(seed, StreamId("evaluation actions"), i);
+  for (size_t i = 0; i < tasks.size(); ++i)
+    streams.emplace_back(seed, StreamId("evaluation actions"), i);
   const int64_t evaluations_before = agent.model_evaluations();
   int64_t strokes = 0;
   for (;;) {
     std::vector<size_t> running;
     for (size_t i = 0; i < episodes.size(); ++i)
       if (!episodes[i].ended()) running.push_back(i);
-    if (running.empty()) break;
-    ThrowIfStopRequested();
+    result.stopped = StopRequested();
+    if (running.empty() || result.stopped) break;
     std::vector<TaskView> views;
     std::vector<RandomStream> drawing;
     for (size_t i : running) views.push_back(View(episodes[i])), drawing.push_back(streams[i]);
@@ -113,15 +116,17 @@ void DrawEvaluation(const Evaluation& evaluation, std::span<const Task> tasks,
   std::filesystem::create_directories(folder, failure);
   if (failure) throw Error("cannot make folder " + folder.string() + ": " + failure.message());
   for (size_t i = 0; i < tasks.size(); ++i) {
-    const auto& [terrain, goal, unused] = tasks[i];
-    const auto [low, high] = std::ranges::minmax(terrain.height_m);
+    const HeightMap &terrain = tasks[i].terrain, &goal = tasks[i].goal;
+    const auto range = std::ranges::minmax(terrain.height_m);
     const int scale = std::max(1, kPicturePixels / std::max(terrain.rows, terrain.columns));
-    const auto heights = [&](const HeightMap& map) { return DrawHeights(map, low, high, scale); };
+    const auto heights = [&](const HeightMap& map) {
+      return DrawHeights(map, range.min, range.max, scale);
+    };
     const auto error = [&](const HeightMap& map) {
       return DrawDifference(map, goal, kPictureError_m, scale);
     };
-    const cv::Mat parts[] = {heights(terrain), heights(goal), heights(evaluation.end[i]), error(terrain),
-                             error(evaluation.end[i])};
+    const cv::Mat parts[] = {heights(terrain), heights(goal), heights(evaluation.end[i]),
+                             error(terrain), error(evaluation.end[i])};
     cv::Mat row;
     cv::hconcat(parts, std::size(parts), row);
     WritePicture(row, folder / fmt::format("task_{:05}.png", i));

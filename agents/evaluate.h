@@ -21,6 +21,7 @@ struct Evaluation {
   double strokes = 0;                                   // of all tasks
   double agent_s = 0, world_s = 0;                      // spent choosing and executing
   double model_evaluations = 0;
+  bool stopped = false;  // by Ctrl-C: the metrics are those of the strokes so far
 
   // Mean of a metric over the tasks.
   double Mean(const std::string& metric) const;
@@ -28,9 +29,10 @@ struct Evaluation {
   nlohmann::json ToJson() const;
 };
 
-// Plays every task to its end, all tasks side by side. The agent's randomness on task i and the sensor
-// noise come from streams of (seed, purpose, i), so a task's result depends neither on the others nor
-// on threads. `progress` gets the strokes so far.
+// Plays every task to its end, all tasks side by side. The agent's randomness on task i and the
+// sensor noise come from streams of (seed, purpose, i), so a task's result depends neither on the
+// others nor on threads. `progress` gets the strokes so far. After Ctrl-C no further stroke is
+// chosen.
 Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& config,
                     std::span<const Task> tasks, uint64_t seed,
                     const std::function<void(int64_t)>& progress = {});

@@ -19,7 +19,8 @@ class FlatAdam {
   double ClipGradients(double limit);
   void Step(double learning_rate);
 
-  // All of the state beside the learning rate, for checkpoints (tensors are handles: copy_ writes). [P] each.
+  // All of the state beside the learning rate, for checkpoints
+  // (tensors are handles: copy_ writes). [P] each.
   const torch::Tensor& first_moment() const { return first_moment_; }
   const torch::Tensor& second_moment() const { return second_moment_; }
   int64_t steps() const { return steps_; }

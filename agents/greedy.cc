@@ -34,14 +34,14 @@ Action RandomAction(RandomStream& stream) {
   return action;
 }
 
-// Puts the start somewhere in a cell drawn by its surplus. Surplus outside the region, which no action
-// reaches, moves to the region's edge.
-void StartAtSurplus(const TaskView& view, const std::vector<double>& cumulative, RandomStream& stream,
-                    Action& action) {
+// Puts the start somewhere in a cell drawn by its surplus. Surplus outside the region, which no
+// action reaches, moves to the region's edge.
+void StartAtSurplus(const TaskView& view, const std::vector<double>& cumulative,
+                    RandomStream& stream, Action& action) {
   const double cell_m = view.sensed.cell_size_m;
   const auto found = std::ranges::upper_bound(cumulative, stream.Uniform() * cumulative.back());
-  const auto i = static_cast<int>(std::min<int64_t>(found - cumulative.begin(),
-                                                    static_cast<int64_t>(cumulative.size()) - 1));
+  const auto i = static_cast<int>(
+      std::min<int64_t>(found - cumulative.begin(), static_cast<int64_t>(cumulative.size()) - 1));
   const double x_m = (i % view.sensed.columns + stream.Uniform()) * cell_m;
   const double y_m = (i / view.sensed.columns + stream.Uniform()) * cell_m;
   const auto number = [](double at_m, double low_m, double extent_m) {
@@ -56,7 +56,8 @@ Action Near(const Action& best, RandomStream& stream) {
   Action action = best;
   for (size_t i = 0; i < action.size(); ++i) {
     const double moved = best[i] + kRefineSpread * stream.Normal();
-    action[i] = static_cast<float>(i == 2 ? std::remainder(moved, 2.0) : std::clamp(moved, -1.0, 1.0));
+    action[i] =
+        static_cast<float>(i == 2 ? std::remainder(moved, 2.0) : std::clamp(moved, -1.0, 1.0));
   }
   return action;
 }
@@ -86,8 +87,10 @@ GreedyAgent::Choice GreedyAgent::BestOf(const TaskView& view, std::span<const Ac
   return best;
 }
 
-std::vector<Action> GreedyAgent::Act(std::span<const TaskView> views, std::span<RandomStream> streams) {
-  const auto refined = static_cast<size_t>(config_.refine_share * static_cast<double>(config_.candidates));
+std::vector<Action> GreedyAgent::Act(std::span<const TaskView> views,
+                                     std::span<RandomStream> streams) {
+  const auto refined =
+      static_cast<size_t>(config_.refine_share * static_cast<double>(config_.candidates));
   const size_t drawn = static_cast<size_t>(config_.candidates) - refined;
   std::vector<Action> actions;
   for (size_t v = 0; v < views.size(); ++v) {
@@ -99,7 +102,8 @@ std::vector<Action> GreedyAgent::Act(std::span<const TaskView> views, std::span<
       if (surplus.back() > 0 && stream.Uniform() < config_.surplus_share)
         StartAtSurplus(views[v], surplus, stream, candidates.back());
     }
-    Choice best = BestOf(views[v], candidates, {.error_m = std::numeric_limits<double>::infinity()});
+    Choice best =
+        BestOf(views[v], candidates, {.error_m = std::numeric_limits<double>::infinity()});
     candidates.clear();
     for (size_t k = 0; k < refined; ++k) candidates.push_back(Near(best.action, stream));
     actions.push_back(BestOf(views[v], candidates, best).action);

@@ -16,9 +16,11 @@ struct GreedyConfig {
 
   void Fields(FieldList& f) {
     f.Add("candidates", candidates, "strokes tried a stroke chosen", 1, 100000);
-    f.Add("refine_share", refine_share, "share of them drawn around the best of the others", 0, 0.95);
+    f.Add("refine_share", refine_share, "share of them drawn around the best of the others", 0,
+          0.95);
     f.Add("surplus_share", surplus_share,
-          "share of the others that start where sand lies above the goal, the more the likelier", 0, 1);
+          "share of the others that start where sand lies above the goal, the more the likelier", 0,
+          1);
   }
 };
 
@@ -32,7 +34,8 @@ class GreedyAgent final : public Agent {
 
   std::string name() const override { return "greedy"; }
   // The candidate with the least goal error by the model; all of a view's candidates are one batch.
-  std::vector<Action> Act(std::span<const TaskView> views, std::span<RandomStream> streams) override;
+  std::vector<Action> Act(std::span<const TaskView> views,
+                          std::span<RandomStream> streams) override;
   int64_t model_evaluations() const override { return model_evaluations_; }
 
  private:

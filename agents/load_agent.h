@@ -13,8 +13,8 @@ namespace sandwright {
 struct AgentOptions {
   const SandModel& model;  // that planners plan with
   GreedyConfig greedy;
-  double speed_mps = 0.1;      // of the strokes that planners imagine
-  std::string device = "auto";  // of a policy's network
+  double speed_mps = 0.1;            // of the strokes that planners imagine
+  std::string device = "auto";       // of a policy's network
   const SafetyGate* gate = nullptr;  // whose refusals planners avoid; must outlive the agent
 };
 

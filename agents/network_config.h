@@ -15,13 +15,17 @@ struct NetworkConfig {
   std::vector<double> first_guess;
 
   void Fields(FieldList& f) {
-    f.Add("channels", channels, "feature channels at half the map's resolution, twice below", 1, 256);
+    f.Add("channels", channels, "feature channels at half the map's resolution, twice below", 1,
+          256);
     f.Add("hidden", hidden, "width of the fully connected layers", 1, 4096);
     f.Add("headings", headings, "directions of travel that the policy tells apart", 1, 64);
-    f.Add("surplus_first", surplus_first,
-          "how much the untrained policy prefers to start on surplus sand: log probability per 10 mm", 0, 20);
+    f.Add(
+        "surplus_first", surplus_first,
+        "how much the untrained policy prefers to start on surplus sand: log probability per 10 mm",
+        0, 20);
     f.Add("first_guess", first_guess,
-          "means of length, depths and bend that the untrained policy starts from; empty: 0", -0.95, 0.95);
+          "means of length, depths and bend that the untrained policy starts from; empty: 0", -0.95,
+          0.95);
   }
 };
 

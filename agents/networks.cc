@@ -55,8 +55,9 @@ torch::Tensor Enlarge(const torch::Tensor& features, const torch::Tensor& like) 
 ObservationTensors ToTensors(const ObservationBatch& batch, const ObservationSpec& spec,
                              torch::Device device) {
   const auto channels = static_cast<int64_t>(spec.channels.size());
-  const int64_t rows = spec.map_size() > 0 ? static_cast<int64_t>(batch.map.size()) / spec.map_size()
-                                           : static_cast<int64_t>(batch.vec.size()) / spec.vec_size();
+  const int64_t rows = spec.map_size() > 0
+                           ? static_cast<int64_t>(batch.map.size()) / spec.map_size()
+                           : static_cast<int64_t>(batch.vec.size()) / spec.vec_size();
   auto view = [](const std::vector<float>& values, std::vector<int64_t> shape) {
     return torch::from_blob(const_cast<float*>(values.data()), shape, torch::kFloat32);
   };
@@ -118,7 +119,8 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
 void ActorCritic::PreferSurplus(const ObservationSpec& spec, const NetworkConfig& config) {
   const auto channel = std::ranges::find(spec.channels, kSurplusChannel);
   if (channel == spec.channels.end())
-    throw Error(std::string("network.surplus_first needs an observation channel ") + kSurplusChannel);
+    throw Error(std::string("network.surplus_first needs an observation channel ") +
+                kSurplusChannel);
   place_skip_ = register_module(
       "place_skip", Convolution(static_cast<int64_t>(spec.channels.size()), config.headings, 1, 1));
   const torch::NoGradGuard no_grad;
@@ -133,13 +135,14 @@ void ActorCritic::GuessFirst(const std::vector<double>& means) {
   const torch::NoGradGuard no_grad;
   const int64_t numbers = rest_head_->bias.size(0) / 2;
   if (static_cast<int64_t>(means.size()) != numbers)
-    throw Error("network.first_guess has " + std::to_string(means.size()) + " numbers; allowed: none or " +
-                std::to_string(numbers));
+    throw Error("network.first_guess has " + std::to_string(means.size()) +
+                " numbers; allowed: none or " + std::to_string(numbers));
   const double broad = 1.0 + std::numbers::ln2;  // the concentration at output 0
   for (int64_t i = 0; i < numbers; ++i) {
     const double share = (means[static_cast<size_t>(i)] + 1.0) / 2.0;  // alpha / (alpha + beta)
     const double ratio = std::max(share, 1.0 - share) / std::min(share, 1.0 - share);
-    // The lesser concentration stays broad, the greater one is set for the mean: inverse of softplus + 1.
+    // The lesser concentration stays broad, the greater one is set
+    // for the mean: inverse of softplus + 1.
     const double output = std::log(std::expm1(broad * ratio - 1.0));
     rest_head_->bias[share > 0.5 ? i : numbers + i] = output;
   }
@@ -150,8 +153,7 @@ ActorCritic::Encoding ActorCritic::Encode(const ObservationTensors& observation)
   torch::Tensor whole = observation.vec, fine, middle, coarse;
   if (has_map_) {
     const int64_t batch = observation.map.size(0);
-    const auto input =
-        torch::cat({observation.map, coordinates_.expand({batch, -1, -1, -1})}, 1);
+    const auto input = torch::cat({observation.map, coordinates_.expand({batch, -1, -1, -1})}, 1);
     fine = torch::relu(fine_(input));
     middle = torch::relu(middle_(fine));
     coarse = torch::relu(coarse_(middle));
@@ -170,7 +172,8 @@ ActorCritic::Encoding ActorCritic::Encode(const ObservationTensors& observation)
 torch::Tensor ActorCritic::PlaceLogits(const Encoding& encoding, const torch::Tensor& map) {
   const auto logits = place_head_(encoding.places);
   if (!place_skip_) return logits.flatten(1);
-  const auto pooled = F::avg_pool2d(map, F::AvgPool2dFuncOptions(2).ceil_mode(true).count_include_pad(false));
+  const auto pooled =
+      F::avg_pool2d(map, F::AvgPool2dFuncOptions(2).ceil_mode(true).count_include_pad(false));
   return (logits + place_skip_(pooled)).flatten(1);
 }
 
@@ -212,21 +215,21 @@ ActorCritic::Decision ActorCritic::Sample(const ObservationTensors& observation,
     const auto probability = torch::softmax(logits, -1).to(torch::kCPU).contiguous();
     const auto bins = static_cast<size_t>(grid_.bins());
     for (size_t i = 0; i < streams.size(); ++i) {
-      const auto drawn =
-          grid_.Sample({probability.data_ptr<float>() + i * bins, bins}, streams[i]);
+      const auto drawn = grid_.Sample({probability.data_ptr<float>() + i * bins, bins}, streams[i]);
       std::ranges::copy(drawn, values + i * static_cast<size_t>(action_size_));
     }
     place = action.narrow(1, 0, placed).to(device);
     log_prob += grid_.LogProb(logits, grid_.Bin(place)).to(torch::kCPU);
   }
   const BetaParameters rest = RestOf(encoding, place);
-  const auto alpha = rest.alpha.to(torch::kCPU).contiguous(), beta = rest.beta.to(torch::kCPU).contiguous();
+  const auto alpha = rest.alpha.to(torch::kCPU).contiguous(),
+             beta = rest.beta.to(torch::kCPU).contiguous();
   const int64_t numbers = alpha.size(1);
   for (int64_t i = 0; i < batch; ++i) {
     for (int64_t j = 0; j < numbers; ++j) {
       values[i * action_size_ + placed + j] =
-          SampleBeta(alpha.data_ptr<float>()[i * numbers + j], beta.data_ptr<float>()[i * numbers + j],
-                     streams[static_cast<size_t>(i)]);
+          SampleBeta(alpha.data_ptr<float>()[i * numbers + j],
+                     beta.data_ptr<float>()[i * numbers + j], streams[static_cast<size_t>(i)]);
     }
   }
   log_prob += BetaLogProb({alpha, beta}, action.narrow(1, placed, numbers));
@@ -251,7 +254,8 @@ ActorCritic::Terms ActorCritic::Evaluate(const ObservationTensors& observation,
   const auto place = action.narrow(1, 0, PlaceGrid::kNumbers);
   const auto logits = PlaceLogits(encoding, observation.map);
   const BetaParameters rest = RestOf(encoding, place);
-  const auto rest_action = action.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers);
+  const auto rest_action =
+      action.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers);
   return {grid_.LogProb(logits, grid_.Bin(place)) + BetaLogProb(rest, rest_action),
           grid_.Entropy(logits) + BetaEntropy(rest), ValueOf(encoding)};
 }

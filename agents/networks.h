@@ -1,9 +1,9 @@
 // The actor-critic network: an observation to a distribution of actions and a value.
 //
 // With a map (the sand): a small convolutional pyramid gives features for each place of the map. A
-// stroke's start and heading are drawn from a grid over them (stroke_place.h), the rest of the stroke
-// (length, depths, bend) from Beta distributions whose parameters are read at the chosen place.
-// Without a map (tests on toy tasks): a plain perceptron and a Beta distribution a number.
+// stroke's start and heading are drawn from a grid over them (stroke_place.h), the rest of the
+// stroke (length, depths, bend) from Beta distributions whose parameters are read at the chosen
+// place. Without a map (tests on toy tasks): a plain perceptron and a Beta distribution a number.
 #pragma once
 
 #include <torch/torch.h>
@@ -37,8 +37,8 @@ class ActorCritic : public torch::nn::Module {
     torch::Tensor log_prob, entropy, value;  // [B]
   };
 
-  // Orthogonal initial weights drawn from `stream`: the policy starts near uniform over places, and the
-  // rest near config.first_guess. Error where that has another length than the rest.
+  // Orthogonal initial weights drawn from `stream`: the policy starts near uniform over places, and
+  // the rest near config.first_guess. Error where that has another length than the rest.
   ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
               RandomStream& stream);
 
@@ -47,13 +47,13 @@ class ActorCritic : public torch::nn::Module {
   // The most probable place and the mean of the rest: [B, A] on the CPU.
   torch::Tensor Mean(const ObservationTensors& observation);
   torch::Tensor Value(const ObservationTensors& observation);
-  // For the update: how probable `action` [B, A] is, with gradients. The entropy of the Beta part is
-  // that at the given action's place, a one-sample estimate of its mean.
+  // For the update: how probable `action` [B, A] is, with gradients. The entropy of the Beta part
+  // is that at the given action's place, a one-sample estimate of its mean.
   Terms Evaluate(const ObservationTensors& observation, const torch::Tensor& action);
 
  private:
-  // Lets the first policy prefer surplus sand: adds place_skip_, through which what the map shows at a
-  // place goes straight into its logits.
+  // Lets the first policy prefer surplus sand: adds place_skip_, through which what the map shows
+  // at a place goes straight into its logits.
   void PreferSurplus(const ObservationSpec& spec, const NetworkConfig& config);
   // Sets the first Beta means of the rest of the action.
   void GuessFirst(const std::vector<double>& means);

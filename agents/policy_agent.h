@@ -12,8 +12,11 @@ namespace sandwright {
 class PolicyAgent final : public Agent {
  public:
   PolicyAgent(std::string name, Policy policy, torch::Device device)
-      : name_(std::move(name)), card_(policy.card), owned_(std::move(policy.network)),
-        network_(*owned_), device_(device) {}
+      : name_(std::move(name)),
+        card_(policy.card),
+        owned_(std::move(policy.network)),
+        network_(*owned_),
+        device_(device) {}
   // Looks at a network in training, which must outlive it.
   PolicyAgent(std::string name, const PolicyCard& card, ActorCritic& network, torch::Device device)
       : name_(std::move(name)), card_(card), network_(network), device_(device) {}
@@ -22,10 +25,12 @@ class PolicyAgent final : public Agent {
   std::optional<std::array<double, 2>> region_size_m() const override {
     return {{card_.region_width_m, card_.region_depth_m}};
   }
-  // The most probable place and the mean of the rest. Where the last stroke was rejected the sand is
-  // as it was, so that the same stroke would come again: there the action is drawn from the policy.
-  // Throws Error where a view's region is of another size than the one the policy was trained in.
-  std::vector<Action> Act(std::span<const TaskView> views, std::span<RandomStream> streams) override;
+  // The most probable place and the mean of the rest. Where the last stroke was
+  // rejected the sand is as it was, so that the same stroke would come again: there the
+  // action is drawn from the policy. Throws Error where a view's region is of another
+  // size than the one the policy was trained in.
+  std::vector<Action> Act(std::span<const TaskView> views,
+                          std::span<RandomStream> streams) override;
 
  private:
   std::string name_;

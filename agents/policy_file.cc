@@ -14,7 +14,9 @@ constexpr const char* kVersion = "1";
 constexpr const char* kPrefix = "network.";  // of the weights; a checkpoint holds other tensors too
 
 nlohmann::json SpecToJson(const ObservationSpec& spec) {
-  return {{"channels", spec.channels}, {"rows", spec.rows}, {"columns", spec.columns},
+  return {{"channels", spec.channels},
+          {"rows", spec.rows},
+          {"columns", spec.columns},
           {"numbers", spec.numbers}};
 }
 
@@ -25,7 +27,8 @@ nlohmann::json ActionSpecToJson() {
   return entries;
 }
 
-nlohmann::json ParsedMetadata(const Safetensors& content, const char* key, const std::string& source) {
+nlohmann::json ParsedMetadata(const Safetensors& content, const char* key,
+                              const std::string& source) {
   try {
     return nlohmann::json::parse(content.Metadata(key, source));
   } catch (const nlohmann::json::exception& e) {
@@ -86,7 +89,8 @@ Policy UnpackPolicy(const Safetensors& content, const std::string& source, torch
     throw Error(fmt::format("{}: not a policy: schema is '{}', allowed: '{}'", source,
                             schema == content.metadata.end() ? "" : schema->second, kSchema));
   if (const auto& version = content.Metadata("schema_version", source); version != kVersion)
-    throw Error(fmt::format("{}: schema_version {} is not readable; allowed: {}", source, version, kVersion));
+    throw Error(fmt::format("{}: schema_version {} is not readable; allowed: {}", source, version,
+                            kVersion));
   Policy policy;
   PolicyCard& card = policy.card;
   const auto read = [&](const char* key) { return ParsedMetadata(content, key, source); };

@@ -64,7 +64,8 @@ void Append(std::vector<float>& all, const torch::Tensor& cpu) {
   all.insert(all.end(), cpu.data_ptr<float>(), cpu.data_ptr<float>() + cpu.numel());
 }
 
-// Share of the returns' variance that the values explain: 1 is perfect, below 0 worse than a constant.
+// Share of the returns' variance that the values explain: 1 is
+// perfect, below 0 worse than a constant.
 double ExplainedVariance(const torch::Tensor& value, const torch::Tensor& target) {
   const double variance = target.var().item<double>();
   return variance > 0 ? 1.0 - (target - value).var().item<double>() / variance : 0.0;
@@ -73,8 +74,9 @@ double ExplainedVariance(const torch::Tensor& value, const torch::Tensor& target
 }  // namespace
 
 Advantages EstimateAdvantages(std::span<const float> reward, std::span<const float> value,
-                              std::span<const float> next_value, std::span<const uint8_t> episode_end,
-                              int num_envs, double gamma, double lambda) {
+                              std::span<const float> next_value,
+                              std::span<const uint8_t> episode_end, int num_envs, double gamma,
+                              double lambda) {
   const size_t count = reward.size(), envs = static_cast<size_t>(num_envs);
   SAND_CHECK(value.size() == count && next_value.size() == count && episode_end.size() == count);
   Advantages out{std::vector<float>(count), std::vector<float>(count)};
@@ -147,11 +149,9 @@ Ppo::Rollout Ppo::Collect(PpoReport& report) {
     for (size_t k = 0; k < truncated_at.size(); ++k)
       next_values[truncated_at[k]] = bootstrap.data_ptr<float>()[k];
   }
-  const Advantages estimate = EstimateAdvantages(rewards, values, next_values, ends, env_.num_envs(),
-                                                 config_.gamma, config_.gae_lambda);
-  auto tensor = [&](const std::vector<float>& v) {
-    return torch::tensor(v).to(device_);
-  };
+  const Advantages estimate = EstimateAdvantages(
+      rewards, values, next_values, ends, env_.num_envs(), config_.gamma, config_.gae_lambda);
+  auto tensor = [&](const std::vector<float>& v) { return torch::tensor(v).to(device_); };
   return {ToTensors(observations, spec, device_),
           tensor(actions).view({-1, env_.action_size()}),
           tensor(log_probs),
@@ -171,8 +171,8 @@ torch::Tensor Ppo::Permutation(int64_t count) {
 
 double Ppo::Step(const Rollout& rollout, const torch::Tensor& index, PpoReport& report) {
   const auto rows = [&](const torch::Tensor& t) { return t.index_select(0, index); };
-  const auto terms = network_.Evaluate({rows(rollout.observation.map), rows(rollout.observation.vec)},
-                                       rows(rollout.action));
+  const auto terms = network_.Evaluate(
+      {rows(rollout.observation.map), rows(rollout.observation.vec)}, rows(rollout.action));
   const auto log_ratio = terms.log_prob - rows(rollout.log_prob);
   const auto ratio = log_ratio.exp();
   auto advantage = rows(rollout.advantage);
@@ -186,13 +186,14 @@ double Ppo::Step(const Rollout& rollout, const torch::Tensor& index, PpoReport& 
   auto value_error = (terms.value - target).square();
   if (config_.value_clip_range > 0) {
     const auto old = rows(rollout.value);
-    const auto near = old + (terms.value - old).clamp(-config_.value_clip_range, config_.value_clip_range);
+    const auto near =
+        old + (terms.value - old).clamp(-config_.value_clip_range, config_.value_clip_range);
     value_error = torch::max(value_error, (near - target).square());
   }
   const auto value_loss = 0.5 * value_error.mean();
   const auto entropy = terms.entropy.mean();
-  const auto loss = policy_loss + config_.value_coefficient * value_loss -
-                    config_.entropy_coefficient * entropy;
+  const auto loss =
+      policy_loss + config_.value_coefficient * value_loss - config_.entropy_coefficient * entropy;
   optimizer_.ZeroGradients();
   loss.backward();
   report.gradient_norm += optimizer_.ClipGradients(config_.max_gradient_norm);
@@ -216,7 +217,8 @@ PpoReport Ppo::Update() {
   const Rollout rollout = Collect(report);
   report.rollout_s = SecondsSince(start);
   start = Clock::now();
-  const double done = static_cast<double>(steps_) / static_cast<double>(std::max<int64_t>(total_steps_, 1));
+  const double done =
+      static_cast<double>(steps_) / static_cast<double>(std::max<int64_t>(total_steps_, 1));
   const double share = config_.learning_rate_schedule == "linear" ? std::max(0.0, 1.0 - done) : 1.0;
   report.learning_rate = config_.learning_rate * share;
   report.explained_variance = ExplainedVariance(rollout.value, rollout.value_target);
@@ -243,13 +245,16 @@ PpoReport Ppo::Update() {
 }
 
 void Ppo::Save(Safetensors& content) const {
-  nlohmann::json state = {{"steps", steps_}, {"optimizer_steps", optimizer_.steps()},
-                          {"shuffle", StreamToJson(shuffle_stream_)}, {"action", nlohmann::json::array()}};
+  nlohmann::json state = {{"steps", steps_},
+                          {"optimizer_steps", optimizer_.steps()},
+                          {"shuffle", StreamToJson(shuffle_stream_)},
+                          {"action", nlohmann::json::array()}};
   for (const auto& stream : action_streams_) state["action"].push_back(StreamToJson(stream));
   content.metadata["ppo_state"] = state.dump();
   const auto add = [&](const std::string& name, const torch::Tensor& moment) {
     const auto cpu = moment.to(torch::kCPU);
-    content.tensors[name] = {{cpu.numel()}, {cpu.data_ptr<float>(), cpu.data_ptr<float>() + cpu.numel()}};
+    content.tensors[name] = {{cpu.numel()},
+                             {cpu.data_ptr<float>(), cpu.data_ptr<float>() + cpu.numel()}};
   };
   add("ppo.first_moment", optimizer_.first_moment());
   add("ppo.second_moment", optimizer_.second_moment());

@@ -20,15 +20,16 @@ struct Advantages {
 // `next_value` is V(s_{t+1}): 0 where the episode terminated, the value of the episode's *final*
 // observation where it was truncated. `episode_end` (either) cuts the sum over later steps.
 Advantages EstimateAdvantages(std::span<const float> reward, std::span<const float> value,
-                              std::span<const float> next_value, std::span<const uint8_t> episode_end,
-                              int num_envs, double gamma, double lambda);
+                              std::span<const float> next_value,
+                              std::span<const uint8_t> episode_end, int num_envs, double gamma,
+                              double lambda);
 
 // What one update did.
 struct PpoReport {
   double policy_loss = 0, value_loss = 0, entropy = 0, approx_kl = 0, clip_fraction = 0;
   double explained_variance = 0, gradient_norm = 0, learning_rate = 0;
   double rollout_s = 0, update_s = 0;
-  int64_t epochs = 0;                   // started, fewer than asked where target_kl stopped them
+  int64_t epochs = 0;                    // started, fewer than asked where target_kl stopped them
   std::vector<EpisodeSummary> finished;  // episodes that ended in the rollout
 };
 
@@ -37,8 +38,8 @@ struct PpoReport {
 class Ppo {
  public:
   // `env` and `network` must outlive it. The seed fixes action noise, shuffling and episodes.
-  Ppo(VecEnv& env, ActorCritic& network, const PpoConfig& config, int64_t total_steps, uint64_t seed,
-      torch::Device device);
+  Ppo(VecEnv& env, ActorCritic& network, const PpoConfig& config, int64_t total_steps,
+      uint64_t seed, torch::Device device);
 
   // One rollout of num_steps * num_envs steps, then the epochs over it.
   PpoReport Update();

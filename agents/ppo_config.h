@@ -29,11 +29,15 @@ struct PpoConfig {
     f.Add("learning_rate_schedule", learning_rate_schedule, "over total_steps; linear ends at 0",
           {"linear", "constant"});
     f.Add("clip_range", clip_range, "of the probability ratio", 0, 1);
-    f.Add("value_clip_range", value_clip_range, "of a value's change in an update; 0: unlimited", 0, 1e6);
-    f.Add("entropy_coefficient", entropy_coefficient, "reward a nat of the policy's entropy", 0, 10);
+    f.Add("value_clip_range", value_clip_range, "of a value's change in an update; 0: unlimited", 0,
+          1e6);
+    f.Add("entropy_coefficient", entropy_coefficient, "reward a nat of the policy's entropy", 0,
+          10);
     f.Add("value_coefficient", value_coefficient, "weight of the value loss", 0, 100);
-    f.Add("max_gradient_norm", max_gradient_norm, "gradients are scaled to at most this norm", 0, 1e6);
-    f.Add("target_kl", target_kl, "an update stops where the policy moved 1.5 times this; 0: never", 0, 10);
+    f.Add("max_gradient_norm", max_gradient_norm, "gradients are scaled to at most this norm", 0,
+          1e6);
+    f.Add("target_kl", target_kl, "an update stops where the policy moved 1.5 times this; 0: never",
+          0, 10);
   }
 };
 

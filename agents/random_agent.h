@@ -8,7 +8,8 @@ namespace sandwright {
 class RandomAgent final : public Agent {
  public:
   std::string name() const override { return "random"; }
-  std::vector<Action> Act(std::span<const TaskView> views, std::span<RandomStream> streams) override;
+  std::vector<Action> Act(std::span<const TaskView> views,
+                          std::span<RandomStream> streams) override;
 };
 
 }  // namespace sandwright

@@ -14,14 +14,27 @@ namespace sandwright {
 namespace {
 
 // Columns of progress.csv, fixed so that runs compare; a value that an update lacks stays empty.
-constexpr std::array kColumns = {
-    "rollout/ep_rew_mean",      "rollout/ep_len_mean",      "rollout/success_rate",
-    "rollout/in_goal_mean_diff_start_mm", "rollout/in_goal_mean_diff_mm", "rollout/rejected_strokes",
-    "eval/in_goal_mean_diff_start_mm",    "eval/in_goal_mean_diff_mm",    "eval/success_rate",
-    "train/policy_loss",        "train/value_loss",         "train/entropy",
-    "train/approx_kl",          "train/clip_fraction",      "train/explained_variance",
-    "train/gradient_norm",      "train/learning_rate",      "train/epochs",
-    "time/fps",                 "time/rollout_s",           "time/update_s"};
+constexpr std::array kColumns = {"rollout/ep_rew_mean",
+                                 "rollout/ep_len_mean",
+                                 "rollout/success_rate",
+                                 "rollout/in_goal_mean_diff_start_mm",
+                                 "rollout/in_goal_mean_diff_mm",
+                                 "rollout/rejected_strokes",
+                                 "eval/in_goal_mean_diff_start_mm",
+                                 "eval/in_goal_mean_diff_mm",
+                                 "eval/success_rate",
+                                 "train/policy_loss",
+                                 "train/value_loss",
+                                 "train/entropy",
+                                 "train/approx_kl",
+                                 "train/clip_fraction",
+                                 "train/explained_variance",
+                                 "train/gradient_norm",
+                                 "train/learning_rate",
+                                 "train/epochs",
+                                 "time/fps",
+                                 "time/rollout_s",
+                                 "time/update_s"};
 
 }  // namespace
 

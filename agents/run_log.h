@@ -1,5 +1,5 @@
-// What a training run says about itself: progress.csv and TensorBoard scalars, the same numbers under
-// the names that other trainers' dashboards know.
+// What a training run says about itself: progress.csv and TensorBoard scalars, the same numbers
+// under the names that other trainers' dashboards know.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,8 @@ std::map<std::string, double> ScalarsOf(const PpoReport& report, int64_t steps_p
 
 class RunLog {
  public:
-  // Rows of an earlier run that lie beyond `first_step` are dropped: a resumed run writes them anew.
+  // Rows of an earlier run that lie beyond `first_step` are dropped:
+  // a resumed run writes them anew.
   RunLog(const std::filesystem::path& folder, int64_t first_step);
   void Write(int64_t step, const std::map<std::string, double>& scalars);
 

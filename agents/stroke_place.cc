@@ -32,8 +32,8 @@ torch::Tensor PlaceGrid::Centre(const torch::Tensor& bin) const {
   const auto column = bin.remainder(columns);
   const auto row = torch::floor_divide(bin, columns).remainder(rows);
   const auto heading = torch::floor_divide(bin, cells());
-  return torch::stack(
-      {MiddleOf(column, columns), MiddleOf(row, rows), MiddleOf(heading, headings)}, -1);
+  return torch::stack({MiddleOf(column, columns), MiddleOf(row, rows), MiddleOf(heading, headings)},
+                      -1);
 }
 
 torch::Tensor PlaceGrid::LogProb(const torch::Tensor& logits, const torch::Tensor& bin) const {

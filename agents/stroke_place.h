@@ -1,7 +1,7 @@
-// Where a stroke starts and where it heads, as one density over a grid: start_x, start_y and heading
-// (the first three numbers of the action, each on [-1, 1]) fall into one of headings x rows x columns
-// bins with probability softmax(logits), evenly within the bin. Unlike one Beta a number, this can
-// prefer two mounds to the hollow between them, and a heading may pass pi.
+// Where a stroke starts and where it heads, as one density over a grid: start_x, start_y and
+// heading (the first three numbers of the action, each on [-1, 1]) fall into one of headings x rows
+// x columns bins with probability softmax(logits), evenly within the bin. Unlike one Beta a number,
+// this can prefer two mounds to the hollow between them, and a heading may pass pi.
 #pragma once
 
 #include <torch/torch.h>
@@ -29,7 +29,8 @@ struct PlaceGrid {
   // Differential entropy: [B].
   torch::Tensor Entropy(const torch::Tensor& logits) const;
   // One draw; `probability` has bins() entries that sum to 1.
-  std::array<float, kNumbers> Sample(std::span<const float> probability, RandomStream& stream) const;
+  std::array<float, kNumbers> Sample(std::span<const float> probability,
+                                     RandomStream& stream) const;
 
  private:
   double LogVolume() const;  // of one bin

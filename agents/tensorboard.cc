@@ -39,7 +39,9 @@ std::string Varint(uint64_t value) {
 }
 
 // Protocol buffer fields by wire type: 0 varint, 1 eight bytes, 2 length and bytes, 5 four bytes.
-std::string Key(int field, int wire_type) { return Varint(static_cast<uint64_t>(field << 3 | wire_type)); }
+std::string Key(int field, int wire_type) {
+  return Varint(static_cast<uint64_t>(field << 3 | wire_type));
+}
 std::string Bytes(int field, std::string_view value) {
   return Key(field, 2) + Varint(value.size()) + std::string(value);
 }
@@ -54,7 +56,8 @@ uint32_t MaskedCrc(std::string_view bytes) {
 uint32_t Crc32c(std::string_view bytes) {
   static constexpr auto kTable = CrcTable();
   uint32_t crc = ~0u;
-  for (const char byte : bytes) crc = (crc >> 8) ^ kTable[(crc ^ static_cast<unsigned char>(byte)) & 0xff];
+  for (const char byte : bytes)
+    crc = (crc >> 8) ^ kTable[(crc ^ static_cast<unsigned char>(byte)) & 0xff];
   return ~crc;
 }
 
@@ -67,7 +70,8 @@ TensorboardWriter::TensorboardWriter(const std::filesystem::path& folder) {
   WriteRecord(Key(1, 1) + Raw(WallTime_s()) + Bytes(3, "brain.Event:2"));
 }
 
-void TensorboardWriter::Write(int64_t step, std::span<const std::pair<std::string, double>> scalars) {
+void TensorboardWriter::Write(int64_t step,
+                              std::span<const std::pair<std::string, double>> scalars) {
   std::string summary;  // Summary: repeated Value = 1 {tag = 1, simple_value = 2}
   for (const auto& [tag, value] : scalars)
     summary += Bytes(1, Bytes(1, tag) + Key(2, 5) + Raw(static_cast<float>(value)));

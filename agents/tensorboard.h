@@ -1,5 +1,5 @@
-// Scalars in TensorBoard's event files: TFRecords of Event protocol buffers, written by hand because
-// two message types with five fields need no library.
+// Scalars in TensorBoard's event files: TFRecords of Event protocol buffers, written by hand
+// because two message types with five fields need no library.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ uint32_t Crc32c(std::string_view bytes);
 
 class TensorboardWriter {
  public:
-  // Starts a new file in `folder`, named by the wall clock as TensorBoard orders files. Throws Error
-  // where it cannot be written.
+  // Starts a new file in `folder`, named by the wall clock as TensorBoard orders files.
+  // Throws Error where it cannot be written.
   explicit TensorboardWriter(const std::filesystem::path& folder);
 
   // One event with all `scalars` (tag, value) at `step`; on disk when the call returns.

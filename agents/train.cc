@@ -31,7 +31,8 @@ std::vector<std::filesystem::path> Checkpoints(const std::filesystem::path& fold
   std::vector<std::filesystem::path> files;
   std::error_code missing;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints", missing))
-    if (entry.path().extension() == ".safetensors" && !entry.path().filename().string().starts_with("."))
+    if (entry.path().extension() == ".safetensors" &&
+        !entry.path().filename().string().starts_with("."))
       files.push_back(entry.path());
   std::ranges::sort(files);
   return files;
@@ -53,7 +54,8 @@ std::vector<Task> ValidationTasks(const TrainConfig& config, uint64_t seed) {
 }
 
 TaskSource TrainingTasks(const TrainConfig& config) {
-  return config.tasks_file.empty() ? TasksFrom(config.task) : TasksFrom(ReadTasks(config.tasks_file));
+  return config.tasks_file.empty() ? TasksFrom(config.task)
+                                   : TasksFrom(ReadTasks(config.tasks_file));
 }
 
 // One run from its first to its last update.
@@ -74,8 +76,10 @@ class Run {
     card_.network = config.network;
     card_.observation = config.env.observation;
     const EpisodeConfig& episode = config.env.episode;
-    card_.region_width_m = episode.region_width_m > 0 ? episode.region_width_m : validation_[0].goal.width_m();
-    card_.region_depth_m = episode.region_depth_m > 0 ? episode.region_depth_m : validation_[0].goal.depth_m();
+    card_.region_width_m =
+        episode.region_width_m > 0 ? episode.region_width_m : validation_[0].goal.width_m();
+    card_.region_depth_m =
+        episode.region_depth_m > 0 ? episode.region_depth_m : validation_[0].goal.depth_m();
     card_.seed = run.seed;
     card_.config = ToJson(FieldsOf(config_));
   }
@@ -97,8 +101,8 @@ class Run {
 
   nlohmann::json Go() {
     WriteFileAtomically(run_.folder / "config.yaml",
-                        fmt::format("# train --seed {}, version {} ({})\n{}", run_.seed, BuildVersion(),
-                                    BuildCommit(), ToYaml(FieldsOf(config_))));
+                        fmt::format("# train --seed {}, version {} ({})\n{}", run_.seed,
+                                    BuildVersion(), BuildCommit(), ToYaml(FieldsOf(config_))));
     RunLog log(run_.folder, ppo_.steps());
     Progress progress("train", config_.total_steps, "strokes");
     progress.Update(ppo_.steps());
@@ -117,11 +121,13 @@ class Run {
       }
       if (stop && !last)
         throw Error(fmt::format("stopped after {} strokes; continue with --resume {}", ppo_.steps(),
-                                run_.folder.string()), ErrorKind::kInterrupted);
+                                run_.folder.string()),
+                    ErrorKind::kInterrupted);
     }
     WriteSafetensors(Pack(), run_.folder / "agent.safetensors");
     return {{"steps", ppo_.steps()},
             {"seconds", progress.elapsed_s()},
+            {"seed", run_.seed},
             {"device", torch::DeviceTypeName(device_.type(), true)},
             {"validation_in_goal_mean_diff_start_mm", start_mm_},
             {"validation_in_goal_mean_diff_mm", last_mm_},
@@ -137,6 +143,7 @@ class Run {
   std::map<std::string, double> Validate() {
     PolicyAgent agent("policy", card_, network_, device_);
     const Evaluation result = Evaluate(agent, world_, config_.env.episode, validation_, run_.seed);
+    if (result.stopped) return {};  // half-played tasks tell nothing; a checkpoint comes next
     start_mm_ = result.Mean("in_goal_mean_diff_start_mm");
     last_mm_ = result.Mean("in_goal_mean_diff_mm");
     if (last_mm_ < best_mm_) {
@@ -166,7 +173,8 @@ class Run {
     ppo_.Save(content);
     content.metadata["best_mm"] = nlohmann::json(best_mm_).dump();
     content.metadata["validated_on"] = ValidatedOn();
-    WriteSafetensors(content, run_.folder / "checkpoints" / fmt::format("{:012}.safetensors", ppo_.steps()));
+    WriteSafetensors(content,
+                     run_.folder / "checkpoints" / fmt::format("{:012}.safetensors", ppo_.steps()));
     const auto files = Checkpoints(run_.folder);
     for (size_t i = 0; i + kKeptCheckpoints < files.size(); ++i) std::filesystem::remove(files[i]);
   }

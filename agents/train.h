@@ -32,13 +32,19 @@ struct TrainConfig {
     f.Add("total_steps", total_steps, "strokes to train on", 1, 1e12);
     f.Add("device", device, "where the network computes; cuda falls back to cpu with auto only",
           {"auto", "cpu", "cuda"});
-    f.Add("torch_threads", torch_threads, "threads of the network; results depend on it in the last bits", 1, 256);
-    f.Add("model", model, "sand model that is the world: heightfield, dem, none, default or a .safetensors file");
-    f.Add("workcell", workcell, "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
-    f.Add("tasks.file", tasks_file, "task file to draw training tasks from; empty: generate by `task`");
+    f.Add("torch_threads", torch_threads,
+          "threads of the network; results depend on it in the last bits", 1, 256);
+    f.Add("model", model,
+          "sand model that is the world: heightfield, dem, none, default or a .safetensors file");
+    f.Add("workcell", workcell,
+          "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
+    f.Add("tasks.file", tasks_file,
+          "task file to draw training tasks from; empty: generate by `task`");
     f.Add("evaluate_every", evaluate_every, "strokes between evaluations; 0: never", 0, 1e12);
-    f.Add("evaluation_tasks", evaluation_tasks, "generated tasks of an evaluation, unseen in training", 1, 10000);
-    f.Add("checkpoint_every", checkpoint_every, "strokes between checkpoints; 0: at the end only", 0, 1e12);
+    f.Add("evaluation_tasks", evaluation_tasks,
+          "generated tasks of an evaluation, unseen in training", 1, 10000);
+    f.Add("checkpoint_every", checkpoint_every, "strokes between checkpoints; 0: at the end only",
+          0, 1e12);
     sand.Fields(f);
     f.Section("task", task);
     f.Section("env", env);
@@ -55,10 +61,10 @@ struct TrainRun {
   bool resume = false;  // continue from the folder's last checkpoint; `seed` is taken from there
 };
 
-// Leaves in the folder: config.yaml, checkpoints/, best.safetensors (the least error in evaluations),
-// agent.safetensors (the end), progress.csv, TensorBoard events. Ctrl-C: writes a checkpoint, then
-// throws Error (kInterrupted). A resumed run repeats an uninterrupted one bit for bit where it was
-// resumed at a regular checkpoint. Returns what `train --json` shows.
+// Leaves in the folder: config.yaml, checkpoints/, best.safetensors (the least error in
+// evaluations), agent.safetensors (the end), progress.csv, TensorBoard events. Ctrl-C: writes a
+// checkpoint, then throws Error (kInterrupted). A resumed run repeats an uninterrupted one bit for
+// bit where it was resumed at a regular checkpoint. Returns what `train --json` shows.
 nlohmann::json Train(TrainConfig config, TrainRun run);
 
 // The last checkpoint of a run folder; Error where there is none.

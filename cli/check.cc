@@ -15,7 +15,8 @@ class CheckCommand final : public Command {
     app.add_option("--plan", plan_file_, "plan (YAML)")->required();
     app.add_option("--terrain", terrain_file_, "height map of the box as it is now")->required();
     app.add_option("--workcell", workcell_file_, "workcell (YAML)")->required();
-    app.add_flag("--seal", seal_, "seal the plan where it is accepted: hashes of blade, cell, calibration and scan");
+    app.add_flag("--seal", seal_,
+                 "seal the plan where it is accepted: hashes of blade, cell, calibration and scan");
   }
 
   int Run() override {
@@ -25,9 +26,11 @@ class CheckCommand final : public Command {
     const PlanVerdict verdict = CheckPlan(SafetyGate(workcell), plan.strokes, terrain);
     for (size_t i = 0; i < verdict.strokes.size(); ++i) {
       const GateVerdict& stroke = verdict.strokes[i];
-      fmt::print("stroke {}: {}  {:.1f} s, joints at {:.0f} % of their speed, {:.0f} mm clear, branch {}\n", i,
-                 stroke.accepted ? "accepted" : "REJECTED", stroke.duration_s, 100 * stroke.peak_joint_speed_share,
-                 1e3 * stroke.min_clearance_m, stroke.branch);
+      fmt::print(
+          "stroke {}: {}  {:.1f} s, joints at {:.0f} % of their speed, {:.0f} mm clear, branch "
+          "{}\n",
+          i, stroke.accepted ? "accepted" : "REJECTED", stroke.duration_s,
+          100 * stroke.peak_joint_speed_share, 1e3 * stroke.min_clearance_m, stroke.branch);
     }
     for (const std::string& reason : verdict.reasons) fmt::print("  - {}\n", reason);
     if (verdict.accepted && seal_) {

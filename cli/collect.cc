@@ -16,15 +16,20 @@ class CollectCommand final : public Command {
                    "who moves the sand: heightfield or dem (grains, needs LAMMPS)")
         ->check(CLI::IsMember({"heightfield", "dem"}))
         ->capture_default_str();
-    app.add_option("--strokes", request_.strokes, "strokes in all, with those that exist")->required();
-    app.add_option("--sequence", request_.sequence, "strokes a bed (default: 10 with a folder, all with a file)");
-    app.add_option("--out", out_, "folder (one file a bed) or one .h5 file; what exists is continued")->required();
+    app.add_option("--strokes", request_.strokes, "strokes in all, with those that exist")
+        ->required();
+    app.add_option("--sequence", request_.sequence,
+                   "strokes a bed (default: 10 with a folder, all with a file)");
+    app.add_option("--out", out_,
+                   "folder (one file a bed) or one .h5 file; what exists is continued")
+        ->required();
   }
   void Fields(FieldList& f) override { config_.Fields(f); }
 
   int Run() override {
     request_.out = out_;
-    if (request_.sequence == 0) request_.sequence = request_.out.extension() == ".h5" ? request_.strokes : 10;
+    if (request_.sequence == 0)
+      request_.sequence = request_.out.extension() == ".h5" ? request_.strokes : 10;
     request_.seed = seed();
     request_.threads = threads();
     const Collected collected = Collect(config_, request_);

@@ -12,7 +12,9 @@ void Command::DeclareCommon(CLI::App& app) {
   threads_ = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--config", config_file_, "configuration (YAML)")->check(CLI::ExistingFile);
   app.add_option("--seed", seed_, "seed of every random stream")->capture_default_str();
-  app.add_option("--threads", threads_, "worker threads")->check(CLI::Range(1, 1024))->capture_default_str();
+  app.add_option("--threads", threads_, "worker threads")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
   app.add_option("--json", json_file_, "write the result here (JSON, keys with units)");
   Fields(fields_);
   const std::string keys = Help(fields_);
@@ -24,6 +26,8 @@ void Command::Configure(const std::vector<std::string>& overrides) {
   const std::string file = config_file_.empty() ? DefaultConfigFile() : config_file_;
   if (!file.empty()) LoadYaml(fields_, file);
   ApplyOverrides(fields_, overrides);
+  // An hour of work must not end at a folder that is not there.
+  if (!json_file_.empty()) AtomicFile{json_file_};
 }
 
 nlohmann::json Command::ResolvedConfig() const { return ToJson(fields_); }
@@ -31,7 +35,7 @@ nlohmann::json Command::ResolvedConfig() const { return ToJson(fields_); }
 nlohmann::json Command::WithRun(nlohmann::json result) const {
   result["command"] = name_;
   result["config"] = ResolvedConfig();
-  result["seed"] = seed_;
+  if (!result.contains("seed")) result["seed"] = seed_;
   if (!result.contains("threads")) result["threads"] = threads_;
   result["version"] = BuildVersion();
   result["commit"] = BuildCommit();

@@ -3,7 +3,7 @@
 // A subcommand is one small file with one class:
 //
 //   class ScanCommand final : public Command {
-//     void Declare(CLI::App& app) override { app.add_option("--depth", depth_, "depth frames")->required(); }
+//     void Declare(CLI::App& app) override { app.add_option("--depth", depth_, "frames"); }
 //     void Fields(FieldList& f) override { f.Section("scan", config_); }
 //     int Run() override { ...; WriteResult({{"accepted", true}}); return 0; }
 //   };
@@ -27,9 +27,9 @@ class Command {
  public:
   virtual ~Command() = default;
 
-  virtual void Declare(CLI::App& app) = 0;   // the subcommand's own flags
-  virtual void Fields(FieldList&) {}         // its configuration keys
-  virtual int Run() = 0;                     // returns the exit code; throws Error
+  virtual void Declare(CLI::App& app) = 0;  // the subcommand's own flags
+  virtual void Fields(FieldList&) {}        // its configuration keys
+  virtual int Run() = 0;                    // returns the exit code; throws Error
 
   // Adds --config, --seed, --threads, --json and the help of the keys.
   void DeclareCommon(CLI::App& app);

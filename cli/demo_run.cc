@@ -1,11 +1,12 @@
 #include "cli/demo_run.h"
 
-#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "agents/load_agent.h"
 #include "data/shipped.h"
@@ -40,12 +41,15 @@ cv::Mat DrawFrame(const DepthFrame& frame) {
   std::vector<float> readings;
   std::ranges::copy_if(frame.depth_m, std::back_inserter(readings), [](float z) { return z > 0; });
   std::ranges::sort(readings);
-  const float near = readings[readings.size() / 50], far = readings[readings.size() - 1 - readings.size() / 50];
+  const float near = readings[readings.size() / 50],
+              far = readings[readings.size() - 1 - readings.size() / 50];
   cv::Mat image(frame.height, frame.width, CV_8UC3);
   for (int v = 0; v < frame.height; ++v) {
     for (int u = 0; u < frame.width; ++u) {
       const float z = frame.At(u, v);
-      const auto grey = z > 0 ? cv::saturate_cast<uchar>(40 + 215 * (far - z) / std::max(far - near, 1e-3f)) : uchar{0};
+      const auto grey =
+          z > 0 ? cv::saturate_cast<uchar>(40 + 215 * (far - z) / std::max(far - near, 1e-3f))
+                : uchar{0};
       image.at<cv::Vec3b>(v, u) = {grey, grey, grey};
     }
   }
@@ -72,10 +76,11 @@ GoalShape ShapeFor(const DemoConfig& config, const Region& region) {
 }
 
 // One agent on its own copy of the bed; the same seed for each, so that luck is shared.
-DemoRun RunAgent(Agent& agent, const SandModel& model, const SafetyGate& gate, const ShapingJob& job,
-                 const SandModel& world, const DemoConfig& config, uint64_t seed,
-                 std::vector<ExecutedStroke>* executed) {
-  SimulatedRig rig(gate.workcell(), world, job.terrain, config.rig, RandomStream(seed, StreamId("demo rig")));
+DemoRun RunAgent(Agent& agent, const SandModel& model, const SafetyGate& gate,
+                 const ShapingJob& job, const SandModel& world, const DemoConfig& config,
+                 uint64_t seed, std::vector<ExecutedStroke>* executed) {
+  SimulatedRig rig(gate.workcell(), world, job.terrain, config.rig,
+                   RandomStream(seed, StreamId("demo rig")));
   const auto start = std::chrono::steady_clock::now();
   DemoRun run{.agent = agent.name()};
   run.run = RunClosedLoop(agent, model, gate, job, RandomStream(seed, StreamId("demo agent")),
@@ -89,7 +94,8 @@ DemoRun RunAgent(Agent& agent, const SandModel& model, const SafetyGate& gate, c
 }
 
 // Joint curves end to end and how far the blade strayed sideways and in depth from its plan.
-void AddMotion(const std::vector<ExecutedStroke>& executed, const ShapingRun& run, DemoReport& report) {
+void AddMotion(const std::vector<ExecutedStroke>& executed, const ShapingRun& run,
+               DemoReport& report) {
   double offset_s = 0;
   size_t index = 0;
   for (const ShapingStroke& stroke : run.strokes) {
@@ -102,98 +108,130 @@ void AddMotion(const std::vector<ExecutedStroke>& executed, const ShapingRun& ru
       report.joints_rad.push_back(joints);
     }
     offset_s = report.time_s.back();
+    report.time_s.push_back(std::numeric_limits<double>::quiet_NaN());
+    report.joints_rad.emplace_back();
     const ToolPath plan = SamplePath(stroke.stroke, 5e-4);
     for (const BladePose& pose : done.path) {
       double nearest_m = 1;
       for (const BladePose& p : plan)
-        nearest_m = std::min(nearest_m, std::hypot(pose.x_m - p.x_m, pose.y_m - p.y_m, pose.z_m - p.z_m));
+        nearest_m =
+            std::min(nearest_m, std::hypot(pose.x_m - p.x_m, pose.y_m - p.y_m, pose.z_m - p.z_m));
       report.tracking_error_mm = std::max(report.tracking_error_mm, 1e3 * nearest_m);
     }
   }
 }
 
 // The arm half-way through its first stroke.
-void AddArmPicture(const Workcell& cell, const ShapingRun& run, const HeightMap& terrain, DemoReport& report) {
-  const auto accepted = std::ranges::find_if(run.strokes, [](auto& s) { return s.verdict.accepted; });
+void AddArmPicture(const Workcell& cell, const ShapingRun& run, const HeightMap& terrain,
+                   DemoReport& report) {
+  const auto accepted =
+      std::ranges::find_if(run.strokes, [](auto& s) { return s.verdict.accepted; });
   if (accepted == run.strokes.end()) return;
   const StrokeMotion& motion = *accepted->verdict.motion;
   try {
-    report.arm = ArmPicture(cell, terrain).Draw(motion.knots[(motion.path_begin + motion.path_end) / 2]);
+    report.arm =
+        ArmPicture(cell, terrain).Draw(motion.knots[(motion.path_begin + motion.path_end) / 2]);
   } catch (const Error& e) {
     report.arm_note = fmt::format("No picture of the arm: {}", e.what());
     spdlog::warn("{}", report.arm_note);
   }
 }
 
-std::string ScriptOf(const ShapingRun& run, const SafetyGate& gate, const HeightMap& terrain) {
-  std::vector<Stroke> strokes;
+// The accepted strokes as one plan and, where they are safe one after another on the bed as it was
+// scanned first, as one program.
+void AddPlan(const ShapingRun& run, const SafetyGate& gate, DemoReport& report) {
   for (const ShapingStroke& stroke : run.strokes) {
-    if (stroke.verdict.accepted) strokes.push_back(stroke.stroke);
+    if (stroke.verdict.accepted) report.plan.strokes.push_back(stroke.stroke);
   }
-  const PlanVerdict verdict = CheckPlan(gate, strokes, terrain);
-  if (!verdict.accepted) throw Error("the gate rejects the strokes as one program", verdict.reasons);
-  return MakeUrScript(strokes, verdict, gate, "sandwright_demo");
+  const PlanVerdict verdict = CheckPlan(gate, report.plan.strokes, report.terrain);
+  if (!verdict.accepted) {
+    report.urscript_note = fmt::format(
+        "There is no program: on the bed as it was scanned first the gate rejects the strokes "
+        "({}).",
+        fmt::join(verdict.reasons, "; "));
+    return;
+  }
+  report.plan.seal = MakeSeal(report.plan.strokes, report.cell, report.terrain);
+  report.urscript = MakeUrScript(report.plan.strokes, verdict, gate, "sandwright_demo");
+  report.urscript_note =
+      "The same strokes as a program for the CB3 controller; it went through the gate on its way "
+      "out.";
+}
+
+// Frame, terrain and what the scan has to say.
+void ScanFrame(const std::string& frame_file, const DemoConfig& config, DemoReport& report) {
+  const DepthFrame frame = ReadDepthFrame(frame_file);
+  const ScanResult scan =
+      ScanDepth({&frame, 1}, config.rig.camera, config.scan, {.sand_depth_m = config.sand_depth_m});
+  if (!scan.accepted) throw Error(frame_file + " is not a bed of sand", scan.reasons);
+  report.frame_name = std::filesystem::path(frame_file).filename().string();
+  report.frame = DrawFrame(frame);
+  report.terrain = scan.map;
+  report.scan_summary = fmt::format(
+      "The walls were found, {:.2f} degrees of tilt taken out; {:.1f} % of the pixels in the box "
+      "had no reading; a single reading on the sand scatters by {:.2f} mm. The floor lies hidden "
+      "under the sand: a mean depth of {:.0f} mm was given and sets the zero.",
+      scan.tilt_removed_deg, 100 * scan.invalid_share, scan.noise_mm, 1e3 * config.sand_depth_m);
 }
 
 }  // namespace
 
 DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t seed, int threads) {
   Timings timings;
-  const DepthFrame frame = ReadDepthFrame(frame_file);
-  const ScanResult scan = ScanDepth({&frame, 1}, config.rig.camera, config.scan, {.sand_depth_m = config.sand_depth_m});
-  if (!scan.accepted) throw Error(frame_file + " is not a bed of sand", scan.reasons);
+  DemoReport report;
+  ScanFrame(frame_file, config, report);
   timings.Mark("scan");
 
-  DemoReport report;
-  report.frame_name = std::filesystem::path(frame_file).filename().string();
-  report.frame = DrawFrame(frame);
-  report.terrain = scan.map;
-  report.scan_summary = fmt::format(
-      "The walls were found, {:.2f} degrees of tilt taken out; {:.1f} % of the pixels in the box had no reading; "
-      "a single reading on the sand scatters by {:.2f} mm. The floor lies hidden under the sand: a mean depth of "
-      "{:.0f} mm was given and sets the zero.",
-      scan.tilt_removed_deg, 100 * scan.invalid_share, scan.noise_mm, 1e3 * config.sand_depth_m);
-  const Region region{(scan.map.width_m() - config.region_m) / 2, (scan.map.depth_m() - config.region_m) / 2,
-                      config.region_m, config.region_m};
+  const double side_m = config.region_m, width_m = report.terrain.width_m(),
+               depth_m = report.terrain.depth_m();
+  const Region region{(width_m - side_m) / 2, (depth_m - side_m) / 2, side_m, side_m};
   report.region = region;
-  report.goal = MakeGoal(ShapeFor(config, region), scan.map, region, 1);
-
-  const Workcell cell = CellFor(scan.map);
-  const SafetyGate gate(cell);
+  report.goal = MakeGoal(ShapeFor(config, region), report.terrain, region, 1);
+  report.cell = CellFor(report.terrain);
+  const SafetyGate gate(report.cell);
   SandModelConfig model_config;
   model_config.heightfield.threads = config.world.threads = threads;
   const auto model = LoadSandModel(config.model, model_config);
   const Heightfield world(config.world);
-  report.blade = cell.tool.blade;
   report.model = fmt::format("Predictions come from the sand model \"{}\".", config.model);
   report.world = fmt::format(
-      "The strokes are executed in another sand: a heightfield with a repose angle of {:.0f} degrees, which the "
-      "model does not know, under a blade that follows its path as well as the simulated servos do.",
+      "The strokes are executed in another sand: a heightfield with a repose angle of {:.0f} "
+      "degrees, which the model does not know, under a blade that follows its path as well as the "
+      "simulated servos do.",
       config.world.repose_deg);
-  const ShapingJob job{.terrain = scan.map, .goal = report.goal, .region = region,
-                       .max_strokes = static_cast<int>(config.max_strokes), .speed_mps = config.speed_mps};
+  const ShapingJob job{.terrain = report.terrain,
+                       .goal = report.goal,
+                       .region = region,
+                       .max_strokes = static_cast<int>(config.max_strokes),
+                       .speed_mps = config.speed_mps};
   timings.Mark("goal, cell and models");
 
   std::vector<ExecutedStroke> executed;
   for (const std::string& name : {config.agent, std::string("greedy"), std::string("random")}) {
-    if (!report.runs.empty() && name == config.agent) continue;  // a rival is not shown beside itself
-    const auto agent = LoadAgent(name, {.model = *model, .greedy = {}, .speed_mps = config.speed_mps});
+    if (!report.runs.empty() && name == config.agent) continue;  // no rival beside itself
+    const auto agent = LoadAgent(
+        name, {.model = *model, .greedy = {}, .speed_mps = config.speed_mps, .gate = &gate});
     const bool first = report.runs.empty();
-    report.runs.push_back(RunAgent(*agent, *model, gate, job, world, config, seed, first ? &executed : nullptr));
+    report.runs.push_back(
+        RunAgent(*agent, *model, gate, job, world, config, seed, first ? &executed : nullptr));
     timings.Mark(agent->name() + ": strokes chosen, gated, executed, rescanned");
+    report.stopped = report.runs.back().run.stopped;
+    if (report.stopped) break;
   }
   const ShapingRun& run = report.runs.front().run;
   AddMotion(executed, run, report);
-  AddArmPicture(cell, run, scan.map, report);
+  AddArmPicture(report.cell, run, report.terrain, report);
   timings.Mark("picture of the arm");
-  report.urscript = ScriptOf(run, gate, scan.map);
-  timings.Mark("URScript");
+  AddPlan(run, gate, report);
+  timings.Mark("plan and URScript");
   report.timings_s = timings.parts();
   return report;
 }
 
 nlohmann::json DemoJson(const DemoReport& report) {
-  nlohmann::json json = {{"frame", report.frame_name}, {"tracking_error_mm", report.tracking_error_mm}};
+  nlohmann::json json = {{"frame", report.frame_name},
+                         {"stopped", report.stopped},
+                         {"tracking_error_mm", report.tracking_error_mm}};
   for (const DemoRun& run : report.runs) {
     nlohmann::json strokes = nlohmann::json::array();
     for (const ShapingStroke& stroke : run.run.strokes)
@@ -210,7 +248,8 @@ nlohmann::json DemoJson(const DemoReport& report) {
                               {"seconds", run.seconds},
                               {"strokes", strokes}});
   }
-  for (const auto& [part, seconds] : report.timings_s) json["timings_s"].push_back({{"part", part}, {"seconds", seconds}});
+  for (const auto& [part, seconds] : report.timings_s)
+    json["timings_s"].push_back({{"part", part}, {"seconds", seconds}});
   return json;
 }
 

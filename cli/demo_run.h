@@ -32,8 +32,10 @@ struct DemoConfig {
     f.Add("agent", agent, "agent whose strokes are shown and exported");
     f.Add("model", model, "sand model that predicts and that greedy plans with");
     f.Add("goal", goal, "kind of goal", {"level", "mound", "crater", "trench", "ridge", "terrace"});
-    f.Add("sand_depth_m", sand_depth_m, "mean depth of the sand: sets the zero of the heights [m]", 0.02, 0.5);
-    f.Add("region_m", region_m, "side of the square in the middle of the box that is shaped [m]", 0.2, 0.6);
+    f.Add("sand_depth_m", sand_depth_m, "mean depth of the sand: sets the zero of the heights [m]",
+          0.02, 0.5);
+    f.Add("region_m", region_m, "side of the square in the middle of the box that is shaped [m]",
+          0.2, 0.6);
     f.Add("speed_mps", speed_mps, "speed of the blade [m/s]", 0.01, 0.25);
     f.Section("scan", scan);
     f.Section("world", world);
@@ -41,7 +43,7 @@ struct DemoConfig {
   }
 };
 
-// Throws Error (kRefused) where the frame is not sand in a box.
+// Throws Error (kRefused) where the frame is not sand in a box. After Ctrl-C: what was done so far.
 DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t seed, int threads);
 
 // The keys of demo.json.

@@ -17,7 +17,8 @@ class ExportCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
     app.add_option("--plan", plan_file_, "sealed plan (YAML); see check --seal")->required();
-    app.add_option("--terrain", terrain_file_, "height map that the plan was sealed for")->required();
+    app.add_option("--terrain", terrain_file_, "height map that the plan was sealed for")
+        ->required();
     app.add_option("--workcell", workcell_file_, "workcell (YAML)")->required();
     app.add_option("--out", out_, "URScript file to write (.script)")->required();
   }

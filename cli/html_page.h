@@ -24,7 +24,10 @@ class HtmlPage {
   void Figures(const std::vector<PageFigure>& figures);
   // The big figures of a run: value over name.
   void Tiles(const std::vector<std::pair<std::string, std::string>>& value_and_name);
-  void Table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
+  void Table(const std::vector<std::string>& header,
+             const std::vector<std::vector<std::string>>& rows);
+  // Lines to copy into a shell.
+  void Code(const std::string& text);
   // Behind a disclosure triangle: for long listings.
   void Listing(const std::string& summary, const std::string& text);
 

@@ -2,7 +2,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <functional>
+#include <filesystem>
 #include <iostream>
 #include <regex>
 
@@ -21,8 +21,10 @@ struct Entry {
 };
 
 constexpr Entry kCommands[] = {
-    {"scan", "depth frames or a height array -> height map in the box frame, or a refusal", MakeScanCommand},
-    {"collect", "collects strokes: random ones, one after another, before and after kept", MakeCollectCommand},
+    {"scan", "depth frames or a height array -> height map in the box frame, or a refusal",
+     MakeScanCommand},
+    {"collect", "collects strokes: random ones, one after another, before and after kept",
+     MakeCollectCommand},
     {"fit", "trains a surrogate on stroke files", MakeFitCommand},
     {"score", "accuracy of a sand model on stroke files", MakeScoreCommand},
     {"simulate", "applies strokes to a terrain", MakeSimulateCommand},
@@ -33,7 +35,8 @@ constexpr Entry kCommands[] = {
     {"check", "the safety gate alone, on a plan", MakeCheckCommand},
     {"export", "plan -> URScript, through the gate", MakeExportCommand},
     {"bench", "speed, and speed against error", MakeBenchCommand},
-    {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at", MakeDemoCommand},
+    {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at",
+     MakeDemoCommand},
 };
 
 // Dotted overrides (key=value) may stand anywhere that is not the value right behind a flag; taken
@@ -44,7 +47,8 @@ std::vector<std::string> TakeOverrides(std::vector<std::string>& arguments) {
   for (size_t i = 0; i < arguments.size(); ++i) {
     const bool behind_flag = i > 0 && arguments[i - 1].starts_with("--") &&
                              arguments[i - 1].find('=') == std::string::npos;
-    (std::regex_match(arguments[i], form) && !behind_flag ? overrides : rest).push_back(arguments[i]);
+    (std::regex_match(arguments[i], form) && !behind_flag ? overrides : rest)
+        .push_back(arguments[i]);
   }
   arguments = std::move(rest);
   return overrides;
@@ -95,6 +99,9 @@ int Main(int argc, char** argv) {
       spdlog::error("{}", e.what());
       if (e.kind() == ErrorKind::kRefused) command->WriteRefusal(e.reasons());
       return ExitCode(e);
+    } catch (const std::filesystem::filesystem_error& e) {
+      spdlog::error("{}", e.what());  // names the file or folder and what the system said
+      return 2;
     } catch (const std::exception& e) {
       spdlog::error("internal fault: {}", e.what());
       return 1;

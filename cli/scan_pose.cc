@@ -26,22 +26,27 @@ std::optional<Eigen::Vector2d> ParseBoxSize(const std::string& text) {
 
 }  // namespace
 
-ScanPlace PlaceOfScan(const std::string& box, const std::string& workcell, const std::string& joints,
-                      const std::optional<double>& sand_depth_m) {
+ScanPlace PlaceOfScan(const std::string& box, const std::string& workcell,
+                      const std::string& joints, const std::optional<double>& sand_depth_m) {
   ScanPlace place{ParseBoxSize(box), std::nullopt, sand_depth_m};
   if (workcell.empty() != joints.empty())
-    throw Error("--workcell and --joints belong together: the cell places the camera on the arm, the joints the arm");
+    throw Error(
+        "--workcell and --joints belong together: the cell places the camera on the arm, the "
+        "joints the arm");
   if (workcell.empty()) return place;
   const Workcell cell = LoadWorkcell(workcell);
   JointsFile angles;
   LoadYaml(FieldsOf(angles), joints);
   if (angles.joints_rad.size() != 6)
-    throw Error(fmt::format("{}: joints_rad has {} angles; 6 are needed", joints, angles.joints_rad.size()));
+    throw Error(fmt::format("{}: joints_rad has {} angles; 6 are needed", joints,
+                            angles.joints_rad.size()));
   const Eigen::Vector2d size_m(cell.box.width_m, cell.box.depth_m);
   if (place.box_size_m && (*place.box_size_m - size_m).norm() > 1e-6)
-    throw Error(fmt::format("--box {} contradicts {}: {} x {} m", box, workcell, size_m.x(), size_m.y()));
+    throw Error(
+        fmt::format("--box {} contradicts {}: {} x {} m", box, workcell, size_m.x(), size_m.y()));
   place.box_size_m = size_m;
-  const Eigen::Isometry3d X_WF = Ur10(cell.kinematics).Forward(JointAngles::FromList(angles.joints_rad));
+  const Eigen::Isometry3d X_WF =
+      Ur10(cell.kinematics).Forward(JointAngles::FromList(angles.joints_rad));
   place.X_BC = cell.X_WB.ToIsometry().inverse() * X_WF * cell.tool.X_FC.ToIsometry();
   return place;
 }

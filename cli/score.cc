@@ -60,7 +60,7 @@ class ScoreCommand final : public Command {
       std::printf("  paper's protocol: MAE %.2f mm, RMSE (mode) %.2f mm, mean of maxima %.1f mm\n",
                   *report.paper_mae_mm, *report.paper_rmse_mode_mm, *report.paper_mean_max_mm);
     WriteResult(json);
-    return 0;
+    return report.stopped ? 130 : 0;
   }
 
  private:

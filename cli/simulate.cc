@@ -16,16 +16,19 @@ namespace {
 class SimulateCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--model", model_, "sand model: heightfield, dem, none, default or a .safetensors file");
+    app.add_option("--model", model_,
+                   "sand model: heightfield, dem, none, default or a .safetensors file");
     app.add_option("--terrain", terrain_, "height map file")->required();
     app.add_option("--strokes", strokes_, "strokes (plan) file")->required();
     app.add_option("--out", out_, "height map file to write");
-    app.add_option("--picture", picture_, "PNG to write: before, after and change (+-20 mm) side by side");
+    app.add_option("--picture", picture_,
+                   "PNG to write: before, after and change (+-20 mm) side by side");
   }
   void Fields(FieldList& f) override { sand_.Fields(f); }
 
   int Run() override {
-    if (out_.empty() && picture_.empty()) throw Error("simulate needs --out FILE.h5, --picture FILE.png or both");
+    if (out_.empty() && picture_.empty())
+      throw Error("simulate needs --out FILE.h5, --picture FILE.png or both");
     sand_.heightfield.threads = threads();
     const std::unique_ptr<SandModel> model = LoadSandModel(model_, sand_);
     std::vector<SandState> state = {model->Start(ReadHeightMap(terrain_), seed())};
@@ -36,7 +39,9 @@ class SimulateCommand final : public Command {
       ThrowIfStopRequested();
       const auto start = std::chrono::steady_clock::now();
       const Outcome outcome = model->Apply(state, std::span<const Stroke>(&stroke, 1))[0];
-      total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+      total_ms +=
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+              .count();
       per_stroke.push_back({{"moved_volume_cm3", 1e6 * outcome.moved_volume_m3},
                             {"left_box", outcome.left_box},
                             {"below_floor", outcome.below_floor}});
@@ -59,7 +64,8 @@ class SimulateCommand final : public Command {
   void Draw(const HeightMap& before, const HeightMap& after) const {
     const auto [low, high] = std::ranges::minmax(after.height_m);
     const int scale = std::max(1, 400 / std::max(before.columns, before.rows));
-    const cv::Mat parts[] = {DrawHeights(before, low, high, scale), DrawHeights(after, low, high, scale),
+    const cv::Mat parts[] = {DrawHeights(before, low, high, scale),
+                             DrawHeights(after, low, high, scale),
                              DrawDifference(after, before, 0.02, scale)};
     cv::Mat row;
     cv::hconcat(parts, 3, row);

@@ -17,8 +17,10 @@ class TasksCommand final : public Command {
     auto* terrain = app.add_option("--terrain", terrain_files_, "height map files, one or more");
     auto* generate = app.add_flag("--generate", generate_, "random terrains");
     auto* goal = app.add_option("--goal", goal_file_, "goal for every terrain: a height map file");
-    auto* goals = app.add_option("--goals", kinds_, "kinds of random goals, separated by commas")->delimiter(',');
-    app.add_option("--count", count_, "tasks (default: one a terrain; 10 with --generate)")->check(CLI::Range(1, 1000000));
+    auto* goals = app.add_option("--goals", kinds_, "kinds of random goals, separated by commas")
+                      ->delimiter(',');
+    app.add_option("--count", count_, "tasks (default: one a terrain; 10 with --generate)")
+        ->check(CLI::Range(1, 1000000));
     app.add_option("--out", out_, "task file to write")->required();
     generate->excludes(terrain)->excludes(goal);
     goal->excludes(goals);
@@ -54,25 +56,28 @@ class TasksCommand final : public Command {
 
   std::vector<Task> OnTerrains() const {
     if (terrain_files_.empty()) throw Error("tasks needs --terrain FILE... or --generate");
-    if (goal_file_.empty() && kinds_.empty()) throw Error("--terrain needs --goal FILE or --goals KIND,...");
+    if (goal_file_.empty() && kinds_.empty())
+      throw Error("--terrain needs --goal FILE or --goals KIND,...");
     const size_t count = count_ > 0 ? static_cast<size_t>(count_) : terrain_files_.size();
     if (!goal_file_.empty() && count > terrain_files_.size())
-      throw Error(fmt::format("--count {} with one --goal would repeat tasks; at most {}, the terrains",
-                              count, terrain_files_.size()));
+      throw Error(
+          fmt::format("--count {} with one --goal would repeat tasks; at most {}, the terrains",
+                      count, terrain_files_.size()));
     std::vector<HeightMap> terrains;
     for (const std::string& file : terrain_files_) {
       terrains.push_back(ReadHeightMap(file));
       if (terrains.back().cell_size_m != terrains[0].cell_size_m)
-        throw Error(fmt::format("{}: cell_size_m = {}; {} has {}, and a task file holds one size", file,
-                                terrains.back().cell_size_m, terrain_files_[0], terrains[0].cell_size_m));
+        throw Error(fmt::format("{}: cell_size_m = {}; {} has {}, and a task file holds one size",
+                                file, terrains.back().cell_size_m, terrain_files_[0],
+                                terrains[0].cell_size_m));
     }
     std::vector<Task> tasks;
     for (size_t i = 0; i < count; ++i) {
       const HeightMap& terrain = terrains[i % terrains.size()];
       RandomStream stream(seed(), kEvaluationTasks, i);
-      tasks.push_back(goal_file_.empty()
-                          ? GenerateGoal(config_, terrain, stream)
-                          : Task{terrain, ReadGoal(goal_file_), static_cast<int>(config_.max_strokes)});
+      tasks.push_back(goal_file_.empty() ? GenerateGoal(config_, terrain, stream)
+                                         : Task{terrain, ReadGoal(goal_file_),
+                                                static_cast<int>(config_.max_strokes)});
       CheckTask(tasks.back(), terrain_files_[i % terrains.size()] + " and its goal");
     }
     return tasks;

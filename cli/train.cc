@@ -1,9 +1,10 @@
 // sandwright train: learns to shape sand, headless, into a run folder.
+#include "agents/train.h"
+
 #include <spdlog/fmt/fmt.h>
 
 #include <filesystem>
 
-#include "agents/train.h"
 #include "cli/command.h"
 
 namespace sandwright {
@@ -12,10 +13,12 @@ namespace {
 class TrainCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    auto* out = app.add_option("--out", out_, "run folder to make; a folder with a run in it is refused");
-    auto* resume = app.add_option("--resume", resume_,
-                                  "run folder to continue from its last checkpoint, with its configuration and seed; "
-                                  "overrides (key=value) apply on top");
+    auto* out =
+        app.add_option("--out", out_, "run folder to make; a folder with a run in it is refused");
+    auto* resume = app.add_option(
+        "--resume", resume_,
+        "run folder to continue from its last checkpoint, with its configuration and seed; "
+        "overrides (key=value) apply on top");
     out->excludes(resume);
   }
   void Fields(FieldList& f) override { config_.Fields(f); }
@@ -27,20 +30,23 @@ class TrainCommand final : public Command {
   int Run() override {
     if (out_.empty() == resume_.empty()) throw Error("train needs --out RUNDIR or --resume RUNDIR");
     if (!resume_.empty() && !config_file().empty())
-      throw Error("--resume takes the run's own configuration; change keys with key=value, not --config");
+      throw Error(
+          "--resume takes the run's own configuration; change keys with key=value, not --config");
     if (!out_.empty() && std::filesystem::exists(std::filesystem::path(out_) / "config.yaml"))
-      throw Error(fmt::format("--out {}: there is a run already; continue it with --resume, or name another folder",
-                              out_));
+      throw Error(fmt::format(
+          "--out {}: there is a run already; continue it with --resume, or name another folder",
+          out_));
     const std::string folder = out_.empty() ? resume_ : out_;
-    const auto result = Train(config_, {.folder = folder,
-                                        .seed = seed(),
-                                        .threads = threads(),
-                                        .resume = !resume_.empty()});
-    fmt::print("{} strokes in {:.0f} s: goal error {:.2f} -> {:.2f} mm on {} unseen tasks (best {:.2f}): {}\n",
-               result["steps"].get<int64_t>(), result["seconds"].get<double>(),
-               result["validation_in_goal_mean_diff_start_mm"].get<double>(),
-               result["validation_in_goal_mean_diff_mm"].get<double>(), config_.evaluation_tasks,
-               result["validation_in_goal_mean_diff_best_mm"].get<double>(), folder);
+    const auto result =
+        Train(config_,
+              {.folder = folder, .seed = seed(), .threads = threads(), .resume = !resume_.empty()});
+    fmt::print(
+        "{} strokes in {:.0f} s: goal error {:.2f} -> {:.2f} mm on {} unseen tasks (best {:.2f}): "
+        "{}\n",
+        result["steps"].get<int64_t>(), result["seconds"].get<double>(),
+        result["validation_in_goal_mean_diff_start_mm"].get<double>(),
+        result["validation_in_goal_mean_diff_mm"].get<double>(), config_.evaluation_tasks,
+        result["validation_in_goal_mean_diff_best_mm"].get<double>(), folder);
     WriteResult(result);
     return 0;
   }

@@ -8,8 +8,8 @@
 
 namespace sandwright {
 
-// Frame C: z forward along the optical axis, x right, y down; pixel (u, v) has its centre at integer
-// coordinates. Defaults: the nominal depth sensor of the Kinect v2.
+// Frame C: z forward along the optical axis, x right, y down; pixel (u, v) has its centre at
+// integer coordinates. Defaults: the nominal depth sensor of the Kinect v2.
 struct CameraModel {
   int64_t width = 512;
   int64_t height = 424;

@@ -25,7 +25,8 @@ Interval PlaceCube(const ExcavationConfig& config, double extent_m, RandomStream
 
 // Height of a control point over terrain of height `surface_m`.
 double DrawHeight(const ExcavationConfig& config, double surface_m, RandomStream& stream) {
-  return std::max(config.floor_margin_m, surface_m - stream.Uniform(-config.above_m, config.deepest_m));
+  return std::max(config.floor_margin_m,
+                  surface_m - stream.Uniform(-config.above_m, config.deepest_m));
 }
 
 bool IsAllowed(const Stroke& stroke) {
@@ -74,18 +75,22 @@ Stroke DrawOfClass(char wanted, const ExcavationConfig& config, const HeightMap&
 Stroke DrawStroke(const ExcavationConfig& config, const HeightMap& terrain, RandomStream& stream) {
   const double least = 2 * config.wall_margin_m + config.shortest_m;
   if (std::min(terrain.width_m(), terrain.depth_m()) <= least)
-    throw Error(fmt::format("box of {:g} x {:g} m: strokes of at least {:g} m, {:g} m from the walls, need more than {:g} m",
-                            terrain.width_m(), terrain.depth_m(), config.shortest_m, config.wall_margin_m, least));
+    throw Error(fmt::format(
+        "box of {:g} x {:g} m: strokes of at least {:g} m, {:g} m from the walls, need more than "
+        "{:g} m",
+        terrain.width_m(), terrain.depth_m(), config.shortest_m, config.wall_margin_m, least));
   const char wanted = static_cast<char>('A' + stream.Index(6));
   for (int draw = 0; draw < kDraws; ++draw) {
     Stroke stroke = DrawOfClass(wanted, config, terrain, stream);
-    const auto [low, high] = std::ranges::minmax(
-        stroke.control_points_m, {}, [](const Eigen::Vector3d& p) { return p.z(); });
+    const auto [low, high] = std::ranges::minmax(stroke.control_points_m, {},
+                                                 [](const Eigen::Vector3d& p) { return p.z(); });
     if (high.z() - low.z() > config.cube_m || !IsAllowed(stroke)) continue;
     if (ComplexityClass(stroke) == wanted && PathLength(stroke) >= config.shortest_m) return stroke;
   }
-  throw Error(fmt::format("no stroke of class {} in {} draws: depths from floor_margin_m = {:g} m to {:g} m above the "
-                          "sand leave no room", wanted, kDraws, config.floor_margin_m, config.above_m));
+  throw Error(fmt::format(
+      "no stroke of class {} in {} draws: depths from floor_margin_m = {:g} m to {:g} m above the "
+      "sand leave no room",
+      wanted, kDraws, config.floor_margin_m, config.above_m));
 }
 
 }  // namespace sandwright

@@ -1,5 +1,5 @@
-// The excavation routine of Deep Sandscapes (Tsuruta et al. 2022): random strokes, one after another,
-// from which a sand model is learned.
+// The excavation routine of Deep Sandscapes (Tsuruta et al. 2022): random strokes, one after
+// another, from which a sand model is learned.
 #pragma once
 
 #include "data/base/random.h"
@@ -18,9 +18,11 @@ struct ExcavationConfig {
   double speed_mps = 0.1;
 
   void Fields(FieldList& f) {
-    f.Add("cube_m", cube_m, "all control points of a stroke lie in a cube of this side [m]", 0.02, 2);
+    f.Add("cube_m", cube_m, "all control points of a stroke lie in a cube of this side [m]", 0.02,
+          2);
     f.Add("wall_margin_m", wall_margin_m, "control points stay this far from the walls [m]", 0, 1);
-    f.Add("floor_margin_m", floor_margin_m, "control points stay this far above the floor [m]", 0, 1);
+    f.Add("floor_margin_m", floor_margin_m, "control points stay this far above the floor [m]", 0,
+          1);
     f.Add("deepest_m", deepest_m, "deepest control point below the sand's surface [m]", 0.001, 0.5);
     f.Add("above_m", above_m, "highest control point above the sand's surface [m]", 0, 0.5);
     f.Add("shortest_m", shortest_m, "shortest path in the plane [m]", 0.002, 2);

@@ -64,7 +64,8 @@ HeightMap GridPoints(const std::vector<Eigen::Vector3f>& points_m, int rows, int
 }
 
 Holes MeasureHoles(const HeightMap& map) {
-  const auto seen = static_cast<double>(std::ranges::count_if(map.valid, [](uint8_t v) { return v; }));
+  const auto seen =
+      static_cast<double>(std::ranges::count_if(map.valid, [](uint8_t v) { return v; }));
   Holes holes;
   holes.share = 1 - seen / static_cast<double>(map.size());
   if (seen == 0) {
@@ -89,7 +90,8 @@ void FillHoles(HeightMap& map) {
     double sum = 0;
     int count = 0;
     for (const auto& [dr, dc] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-      if (row + dr < 0 || row + dr >= map.rows || column + dc < 0 || column + dc >= map.columns) continue;
+      if (row + dr < 0 || row + dr >= map.rows || column + dc < 0 || column + dc >= map.columns)
+        continue;
       const size_t k = map.Index(row + dr, column + dc);
       if (use[k]) sum += map.height_m[k], ++count;
     }
@@ -110,7 +112,8 @@ void FillHoles(HeightMap& map) {
   }
   // Rings leave kinks; relaxing turns them into the membrane.
   for (int sweep = 0; sweep < 200 && !holes.empty(); ++sweep)
-    for (size_t i : holes) map.height_m[i] = static_cast<float>(mean_of_neighbours(i, filled).first);
+    for (size_t i : holes)
+      map.height_m[i] = static_cast<float>(mean_of_neighbours(i, filled).first);
 }
 
 }  // namespace sandwright

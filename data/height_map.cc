@@ -29,9 +29,9 @@ void CheckHeightMap(const HeightMap& map, const std::string& source, bool nan_al
   for (size_t i = 0; i < count; ++i) {
     const float h = map.height_m[i];
     if (std::isfinite(h) || (nan_allowed && std::isnan(h))) continue;
-    throw Error(fmt::format("{}: height_m at row {}, column {} is {}; heights must be finite", source,
-                            i / static_cast<size_t>(map.columns), i % static_cast<size_t>(map.columns),
-                            h));
+    throw Error(fmt::format("{}: height_m at row {}, column {} is {}; heights must be finite",
+                            source, i / static_cast<size_t>(map.columns),
+                            i % static_cast<size_t>(map.columns), h));
   }
 }
 
@@ -81,8 +81,9 @@ int WholeCells(double extent_m, double cell_size_m) {
 }
 
 template <class T, class Combine>
-std::vector<T> ResampleLayer(const std::vector<T>& layer, int columns, const std::vector<Overlap>& ys,
-                             const std::vector<Overlap>& xs, Combine combine) {
+std::vector<T> ResampleLayer(const std::vector<T>& layer, int columns,
+                             const std::vector<Overlap>& ys, const std::vector<Overlap>& xs,
+                             Combine combine) {
   std::vector<T> out;
   out.reserve(ys.size() * xs.size());
   for (const Overlap& y : ys) {
@@ -115,8 +116,9 @@ HeightMap Resample(const HeightMap& map, double cell_size_m) {
 }
 
 HeightMap Crop(const HeightMap& map, const CellRect& rect) {
-  SAND_CHECK(rect.row0 >= 0 && rect.column0 >= 0 && rect.row1 <= map.rows && rect.column1 <= map.columns,
-             rect.row0, rect.column0, rect.row1, rect.column1);
+  SAND_CHECK(
+      rect.row0 >= 0 && rect.column0 >= 0 && rect.row1 <= map.rows && rect.column1 <= map.columns,
+      rect.row0, rect.column0, rect.row1, rect.column1);
   HeightMap out(rect.rows(), rect.columns(), map.cell_size_m, 0, map.datum);
   const auto copy = [&](const auto& from, auto& to) {
     to.clear();
@@ -132,7 +134,8 @@ HeightMap Crop(const HeightMap& map, const CellRect& rect) {
 }
 
 void Paste(const HeightMap& patch, const CellRect& rect, HeightMap& map) {
-  SAND_CHECK(patch.rows == rect.rows() && patch.columns == rect.columns(), patch.rows, patch.columns);
+  SAND_CHECK(patch.rows == rect.rows() && patch.columns == rect.columns(), patch.rows,
+             patch.columns);
   for (int row = 0; row < patch.rows; ++row) {
     const auto begin = patch.height_m.begin() + static_cast<std::ptrdiff_t>(patch.Index(row, 0));
     std::copy(begin, begin + patch.columns,
@@ -159,8 +162,8 @@ HeightMap ReadHeightMap(const std::filesystem::path& file, bool nan_allowed) {
     if (!HasDataset(h5, name)) return;
     auto array = ReadArray<uint8_t>(h5, name, where);
     if (array.values.size() != map.size())
-      throw Error(fmt::format("{}: dataset {} is {} x {}; height_m is {} x {}", where, name, array.rows,
-                              array.columns, map.rows, map.columns));
+      throw Error(fmt::format("{}: dataset {} is {} x {}; height_m is {} x {}", where, name,
+                              array.rows, array.columns, map.rows, map.columns));
     layer = std::move(array.values);
   };
   read_layer("valid", map.valid);

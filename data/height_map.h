@@ -20,7 +20,8 @@ enum class Datum {
 // column i has its centre at ((i + 1/2) cell, (j + 1/2) cell); the map's edges are the box walls.
 struct HeightMap {
   HeightMap() = default;
-  HeightMap(int rows_, int columns_, double cell_size_m_, float fill_m = 0, Datum datum_ = Datum::kFloor)
+  HeightMap(int rows_, int columns_, double cell_size_m_, float fill_m = 0,
+            Datum datum_ = Datum::kFloor)
       : rows(rows_),
         columns(columns_),
         cell_size_m(cell_size_m_),

@@ -26,12 +26,13 @@ struct LevelImage {
 };
 
 // The readings on the straight line of pixels from `from` to `to`, or to the picture's edge; holes
-// are left out. The walk ends where something that stands between camera and ground hides the ground.
+// are left out. The walk ends where something that stands between
+// camera and ground hides the ground.
 std::vector<Eigen::Vector3f> ReadingsAlong(const LevelImage& image, const Eigen::Vector2d& from,
                                            const Eigen::Vector2d& to);
 
-// Steepness [m/m, not negative] of the surface at reading i of a walk, over its two neighbours: over
-// one, a millimetre of noise on pixels of 3 mm would look like a wall. 0 < i < size - 1.
+// Steepness [m/m, not negative] of the surface at reading i of a walk, over its two neighbours:
+// over one, a millimetre of noise on pixels of 3 mm would look like a wall. 0 < i < size - 1.
 double SteepnessAt(const std::vector<Eigen::Vector3f>& walk, size_t i);
 
 }  // namespace sandwright

@@ -52,8 +52,9 @@ NpyArray ParseHeader(const std::string& header, const std::string& where) {
   const std::string fortran = HeaderEntry(header, "'fortran_order'\\s*:\\s*(\\w+)", where);
   std::string shape = HeaderEntry(header, "'shape'\\s*:\\s*\\(([^)]*)\\)", where);
   if (fortran != "False")
-    throw Error(where + ": the array is in Fortran order; allowed: C order "
-                        "(numpy.ascontiguousarray)");
+    throw Error(where +
+                ": the array is in Fortran order; allowed: C order "
+                "(numpy.ascontiguousarray)");
   NpyArray array;
   array.dtype = descr.size() == 3 ? descr.substr(1) : descr;
   static constexpr std::string_view kAllowed[] = {"u1", "u2", "i4", "f4", "f8"};
@@ -187,8 +188,8 @@ void WriteNpy(const std::filesystem::path& file, std::span<const T> values,
   std::string extents;
   for (size_t extent : shape) count *= extent, extents += fmt::format("{}, ", extent);
   SAND_CHECK(count == values.size(), count, values.size());
-  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}",
-                                   kDescr<T>, extents);
+  std::string header =
+      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", kDescr<T>, extents);
   header.append(63 - (10 + header.size()) % 64, ' ');  // the data starts at a multiple of 64
   header += '\n';
   std::string bytes(kMagic);

@@ -10,14 +10,16 @@
 
 namespace sandwright {
 
-// Heights as shaded relief over a sand colour scale between low and high [m]; `pixels_per_cell` >= 1.
+// Heights as shaded relief over a sand colour scale between low and
+// high [m]; `pixels_per_cell` >= 1.
 cv::Mat DrawHeights(const HeightMap& map, double low_m, double high_m, int pixels_per_cell = 1);
 // Signed difference a - b on a diverging scale: blue below, white zero, red above, +-range_m.
 // Cells whose `mask` of `b` is 0 are grey.
-cv::Mat DrawDifference(const HeightMap& a, const HeightMap& b, double range_m, int pixels_per_cell = 1);
+cv::Mat DrawDifference(const HeightMap& a, const HeightMap& b, double range_m,
+                       int pixels_per_cell = 1);
 
-// Draws a tool path over a picture of `map` of that scale: the line of the blade's middle, the blade
-// across it at both ends, an arrow head at the last.
+// Draws a tool path over a picture of `map` of that scale: the line of the blade's middle, the
+// blade across it at both ends, an arrow head at the last.
 void DrawPath(cv::Mat& image, const HeightMap& map, const ToolPath& path, const Blade& blade,
               int pixels_per_cell);
 

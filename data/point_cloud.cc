@@ -30,9 +30,10 @@ float LocalMedian(const DepthFrame& frame, int u, int v) {
 
 PointCloud ToPoints(const DepthFrame& frame, const CameraModel& camera) {
   if (frame.width != camera.width || frame.height != camera.height)
-    throw Error(fmt::format("the depth frame has {} x {} px (columns x rows); the camera model has "
-                            "{} x {}: name the right one with --camera",
-                            frame.width, frame.height, camera.width, camera.height));
+    throw Error(
+        fmt::format("the depth frame has {} x {} px (columns x rows); the camera model has "
+                    "{} x {}: name the right one with --camera",
+                    frame.width, frame.height, camera.width, camera.height));
   if (std::ranges::none_of(frame.depth_m, [](float z) { return z > 0; }))
     throw Error("the depth frame holds no reading: every pixel is 0");
   const std::vector<PixelRay> rays = PixelRays(camera);

@@ -24,8 +24,8 @@ struct PointCloud {
 // Points in C. Throws Error where the frame has another size than the camera, or holds no reading.
 PointCloud ToPoints(const DepthFrame& frame, const CameraModel& camera);
 
-// The frame with each pixel the median of the readings around it (5 x 5), which keeps straight edges
-// and closes holes of a few pixels: for finding edges, not for measuring heights.
+// The frame with each pixel the median of the readings around it (5 x 5), which keeps straight
+// edges and closes holes of a few pixels: for finding edges, not for measuring heights.
 DepthFrame MedianFiltered(const DepthFrame& frame);
 
 // The frame without readings that stand alone, further than `limit_m` from `median`, its median
@@ -39,7 +39,8 @@ struct Plane {
 };
 
 // Robust plane through points, least squares with Cauchy weights at the scale of the median
-// residual: a heap or a hole of less than half the area hardly turns it. Needs 3 points, not in line.
+// residual: a heap or a hole of less than half the area hardly turns
+// it. Needs 3 points, not in line.
 Plane FitPlane(const std::vector<Eigen::Vector3f>& points);
 
 // The rotation R_LC into a level frame L: its z is `up_C` (unit vector in C), its x the part of the

@@ -33,7 +33,8 @@ double LargestObject(const HeightMap& map, const cv::Mat1d& slopes, const SandCh
   const int count = cv::connectedComponentsWithStats(gentle, labels, stats, centres, 4);
   double largest = 0;
   for (int label = 1; label < count; ++label) {
-    const int left = stats.at<int>(label, cv::CC_STAT_LEFT), top = stats.at<int>(label, cv::CC_STAT_TOP);
+    const int left = stats.at<int>(label, cv::CC_STAT_LEFT),
+              top = stats.at<int>(label, cv::CC_STAT_TOP);
     const int right = left + stats.at<int>(label, cv::CC_STAT_WIDTH);
     const int bottom = top + stats.at<int>(label, cv::CC_STAT_HEIGHT);
     if (left == 0 || top == 0 || right == map.columns || bottom == map.rows) continue;
@@ -56,21 +57,24 @@ std::vector<std::string> ReasonsNotSand(const HeightMap& map, const SandCheckCon
   std::vector<std::string> reasons;
   const auto [low, high] = std::ranges::minmax(map.height_m);
   if (high - low > config.max_relief_m)
-    reasons.push_back(fmt::format("the heights span {:.0f} mm; sand in a box spans at most {:.0f} mm "
-                                  "(an arm, the floor, or a wall is in view)",
-                                  1000 * (high - low), 1000 * config.max_relief_m));
+    reasons.push_back(
+        fmt::format("the heights span {:.0f} mm; sand in a box spans at most {:.0f} mm "
+                    "(an arm, the floor, or a wall is in view)",
+                    1000 * (high - low), 1000 * config.max_relief_m));
   const cv::Mat1d slopes = Slopes(map);
   const double steep = static_cast<double>(cv::countNonZero(slopes > config.steep_deg)) /
                        static_cast<double>(map.size());
   if (steep > config.max_steep_share)
-    reasons.push_back(fmt::format("{:.1f} % of the cells are steeper than {:.0f} degrees; at most "
-                                  "{:.1f} % are allowed in sand",
-                                  100 * steep, config.steep_deg, 100 * config.max_steep_share));
+    reasons.push_back(
+        fmt::format("{:.1f} % of the cells are steeper than {:.0f} degrees; at most "
+                    "{:.1f} % are allowed in sand",
+                    100 * steep, config.steep_deg, 100 * config.max_steep_share));
   const double object = LargestObject(map, slopes, config);
   if (object > config.max_object_m2)
-    reasons.push_back(fmt::format("an edge steeper than {:.0f} degrees encloses {:.1f} cm^2 all round: "
-                                  "a hard object on the sand (at most {:.1f} cm^2 are let pass)",
-                                  config.object_edge_deg, 1e4 * object, 1e4 * config.max_object_m2));
+    reasons.push_back(
+        fmt::format("an edge steeper than {:.0f} degrees encloses {:.1f} cm^2 all round: "
+                    "a hard object on the sand (at most {:.1f} cm^2 are let pass)",
+                    config.object_edge_deg, 1e4 * object, 1e4 * config.max_object_m2));
   return reasons;
 }
 

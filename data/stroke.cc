@@ -96,9 +96,11 @@ double HeightRange(const Stroke& stroke) {
 void CheckStroke(const Stroke& stroke, const std::string& source) {
   const auto& points = stroke.control_points_m;
   if (points.size() < 2 || points.size() > 4)
-    throw Error(fmt::format("{}: control_points_m has {} points; allowed: 2..4", source, points.size()));
+    throw Error(
+        fmt::format("{}: control_points_m has {} points; allowed: 2..4", source, points.size()));
   if (stroke.degree != 1 && stroke.degree != 2)
-    throw Error(fmt::format("{}: degree = {}; allowed: 1 (polyline), 2 (Bezier)", source, stroke.degree));
+    throw Error(
+        fmt::format("{}: degree = {}; allowed: 1 (polyline), 2 (Bezier)", source, stroke.degree));
   if (!(stroke.speed_mps > 0) || !std::isfinite(stroke.speed_mps))
     throw Error(fmt::format("{}: speed_mps = {}; must be > 0", source, stroke.speed_mps));
   for (size_t i = 0; i < points.size(); ++i) {
@@ -108,8 +110,10 @@ void CheckStroke(const Stroke& stroke, const std::string& source) {
     if (i == 0) continue;
     const double distance = Plane(points[i] - points[i - 1]).norm();
     if (distance < kMinSegment_m)
-      throw Error(fmt::format("{}: control points {} and {} are {:.3g} m apart in the plane; at least "
-                              "{} m is needed for a direction", source, i - 1, i, distance, kMinSegment_m));
+      throw Error(
+          fmt::format("{}: control points {} and {} are {:.3g} m apart in the plane; at least "
+                      "{} m is needed for a direction",
+                      source, i - 1, i, distance, kMinSegment_m));
   }
 }
 
@@ -150,8 +154,9 @@ std::vector<Stroke> ReadStrokes(const std::filesystem::path& file) {
     return root.IsMap() && root[key] && root[key].IsScalar() ? root[key].Scalar() : std::string();
   };
   if (text("schema") != "sandwright-plan" || text("schema_version") != "1")
-    throw Error(fmt::format("{}: schema is \"{}\" version \"{}\"; expected sandwright-plan version 1",
-                            file.string(), text("schema"), text("schema_version")));
+    throw Error(
+        fmt::format("{}: schema is \"{}\" version \"{}\"; expected sandwright-plan version 1",
+                    file.string(), text("schema"), text("schema_version")));
   if (text("frame") != "box")
     throw Error(fmt::format("{}: frame is \"{}\"; allowed: box", file.string(), text("frame")));
   if (!root["strokes"] || !root["strokes"].IsSequence())
@@ -169,7 +174,8 @@ std::vector<Stroke> ReadStrokes(const std::filesystem::path& file) {
       stroke.degree = node["degree"].as<int>();
       stroke.speed_mps = node["speed_mps"].as<double>();
     } catch (const YAML::Exception& e) {
-      throw Error(fmt::format("{}: needs control_points_m, degree and speed_mps ({})", where, e.what()));
+      throw Error(
+          fmt::format("{}: needs control_points_m, degree and speed_mps ({})", where, e.what()));
     }
     CheckStroke(stroke, where);
     strokes.push_back(std::move(stroke));

@@ -25,7 +25,7 @@ struct Blade {
 // vertically at the ends.
 struct Stroke {
   std::vector<Eigen::Vector3d> control_points_m;  // n = 2..4
-  int degree = 1;           // 1: polyline; 2: one Bezier curve of order n - 1
+  int degree = 1;                                 // 1: polyline; 2: one Bezier curve of order n - 1
   double speed_mps = 0.1;
 };
 
@@ -49,8 +49,8 @@ ToolPath SamplePath(const Stroke& stroke, double step_m, double turn_step_rad = 
 // Length of the path in the plane [m].
 double PathLength(const Stroke& stroke);
 
-// The class A..F of Deep Sandscapes, figure 4 (flat: z varies by less than 1 mm): A flat line, B flat
-// polyline, C polyline with height variation and up to 3 points, D flat curve, E polyline with
+// The class A..F of Deep Sandscapes, figure 4 (flat: z varies by less than 1 mm): A flat line, B
+// flat polyline, C polyline with height variation and up to 3 points, D flat curve, E polyline with
 // height variation and 4 points, F curve with height variation.
 char ComplexityClass(const Stroke& stroke);
 

@@ -42,12 +42,14 @@ Datum ReadDatum(const H5::Group& group, const std::string& where) {
 
 void CheckTask(const Task& task, const std::string& source) {
   if (!task.terrain.SameGrid(task.goal))
-    throw Error(fmt::format("{}: the terrain is {} x {} cells of {} m, the goal {} x {} of {} m; they "
-                            "must be equal", source, task.terrain.rows, task.terrain.columns,
-                            task.terrain.cell_size_m, task.goal.rows, task.goal.columns,
-                            task.goal.cell_size_m));
+    throw Error(
+        fmt::format("{}: the terrain is {} x {} cells of {} m, the goal {} x {} of {} m; they "
+                    "must be equal",
+                    source, task.terrain.rows, task.terrain.columns, task.terrain.cell_size_m,
+                    task.goal.rows, task.goal.columns, task.goal.cell_size_m));
   if (task.terrain.datum != task.goal.datum)
-    throw Error(source + ": one of terrain and goal has datum floor, the other relative; their heights "
+    throw Error(source +
+                ": one of terrain and goal has datum floor, the other relative; their heights "
                 "cannot be compared");
   if (task.goal.mask.size() != task.goal.size())
     throw Error(source + ": the mask has another size than the goal");
@@ -78,7 +80,7 @@ std::vector<Task> ReadTasks(const std::filesystem::path& file) {
       task.terrain = ReadTaskMap(group, "terrain_m", cell_size_m, where);
       task.goal = ReadTaskMap(group, "goal_m", cell_size_m, where);
       task.goal.mask = ReadArray<uint8_t>(group, "mask", where).values;
-      task.max_strokes = static_cast<int>(ReadNumber(group, "max_strokes", where));
+      task.max_strokes = static_cast<int>(ReadInteger(group, "max_strokes", where));
       task.terrain.datum = task.goal.datum = ReadDatum(group, where);
       CheckTask(task, where);
       FillMask(task.goal);
@@ -114,7 +116,8 @@ void WriteTasks(const std::vector<Task>& tasks, const std::filesystem::path& fil
 }
 
 double GoalError(const HeightMap& heights, const HeightMap& goal) {
-  SAND_CHECK(heights.size() == goal.size() && goal.mask.size() == goal.size(), heights.size(), goal.size());
+  SAND_CHECK(heights.size() == goal.size() && goal.mask.size() == goal.size(), heights.size(),
+             goal.size());
   double sum = 0;
   size_t count = 0;
   for (size_t i = 0; i < goal.size(); ++i) {

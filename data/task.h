@@ -14,7 +14,8 @@ struct Task {
   int max_strokes = 20;
 };
 
-// Throws Error where grids or datums differ, the mask counts nothing, or the budget is not positive.
+// Throws Error where grids or datums differ, the mask counts nothing,
+// or the budget is not positive.
 void CheckTask(const Task& task, const std::string& source);
 
 // A goal from a height map file: NaN and mask 0 mean "not counted"; the mask is filled.

@@ -50,7 +50,8 @@ Stroke DecodeAction(const Action& action, const HeightMap& sensed, const Region&
   const Eigen::Vector2d end = start + length_m * along;
   // Also the tangents at the ends: towards and from the middle control point.
   const Eigen::Vector2d middle = (start + end) / 2 + bend * length_m * left;
-  const double z_start = MeanHeightUnderBlade(sensed, start, middle - start, blade) - Physical(action, 4);
+  const double z_start =
+      MeanHeightUnderBlade(sensed, start, middle - start, blade) - Physical(action, 4);
   const double z_end = MeanHeightUnderBlade(sensed, end, end - middle, blade) - Physical(action, 5);
 
   Stroke stroke;

@@ -12,8 +12,8 @@ namespace sandwright {
 // The part of the box that a task is about: a rectangle in frame B. Actions and observations are
 // relative to it, so one policy serves any place of any box.
 struct Region {
-  double x_m = 0, y_m = 0;           // corner nearest B's origin
-  double width_m = 0, depth_m = 0;   // extent along x and y
+  double x_m = 0, y_m = 0;          // corner nearest B's origin
+  double width_m = 0, depth_m = 0;  // extent along x and y
 };
 
 inline constexpr int kActionSize = 7;
@@ -25,17 +25,17 @@ struct ActionEntry {
   double low, high;
 };
 inline constexpr std::array<ActionEntry, kActionSize> kActionSpec = {{
-    {"start_x", 0, 1},              // share of the region's width
-    {"start_y", 0, 1},              // share of the region's depth
+    {"start_x", 0, 1},  // share of the region's width
+    {"start_y", 0, 1},  // share of the region's depth
     {"heading_rad", -3.14159265358979323846, 3.14159265358979323846},  // of the chord
-    {"length_m", 0.040, 0.180},     // of the chord
+    {"length_m", 0.040, 0.180},                                        // of the chord
     {"depth_start_m", -0.005, 0.030},  // below the mean sensed height under the blade at the start
     {"depth_end_m", -0.005, 0.030},    // the same at the end
-    {"bend", -0.5, 0.5},            // sideways offset of the middle control point as a share of length
+    {"bend", -0.5, 0.5},  // sideways offset of the middle control point as a share of length
 }};
 
-// The only way from an action to a stroke. Depths are taken below the mean *sensed* height under the
-// blade at that end. Never shifts a stroke to make it fit: what leaves the box is the gate's to
+// The only way from an action to a stroke. Depths are taken below the mean *sensed* height under
+// the blade at that end. Never shifts a stroke to make it fit: what leaves the box is the gate's to
 // reject. Values beyond [-1, 1] by at most 1e-6 are taken as the bound; more, or NaN, throws Error.
 Stroke DecodeAction(const Action& action, const HeightMap& sensed, const Region& region,
                     const Blade& blade, double speed_mps);

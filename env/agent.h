@@ -27,7 +27,8 @@ class Agent {
   virtual ~Agent() = default;
   virtual std::string name() const = 0;
   // One action a view; `streams[i]` is the randomness of view i and advances.
-  virtual std::vector<Action> Act(std::span<const TaskView> views, std::span<RandomStream> streams) = 0;
+  virtual std::vector<Action> Act(std::span<const TaskView> views,
+                                  std::span<RandomStream> streams) = 0;
   // Extent along x and y of the regions that the agent was made for [m]; none: any.
   virtual std::optional<std::array<double, 2>> region_size_m() const { return std::nullopt; }
   // Evaluations of a sand model so far (0: the agent plans with none).

@@ -9,11 +9,12 @@
 
 namespace sandwright {
 
-// Holds a drawing context: use it on the thread that made it. Throws Error with the reason where the
-// machine offers no EGL; callers then leave the picture out with a word.
+// Holds a drawing context: use it on the thread that made it. Throws Error with the reason where
+// the machine offers no EGL; callers then leave the picture out with a word.
 class ArmPicture {
  public:
-  ArmPicture(const Workcell& workcell, const HeightMap& terrain, int width_px = 960, int height_px = 640);
+  ArmPicture(const Workcell& workcell, const HeightMap& terrain, int width_px = 960,
+             int height_px = 640);
   ~ArmPicture();
   ArmPicture(const ArmPicture&) = delete;
   ArmPicture& operator=(const ArmPicture&) = delete;

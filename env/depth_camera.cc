@@ -30,10 +30,12 @@ struct Interval {
 };
 
 // Where eye + t ray lies between `low` and `high` in all three axes, t > 0.
-Interval Crossing(const Vector3d& eye, const Vector3d& ray, const Vector3d& low, const Vector3d& high) {
+Interval Crossing(const Vector3d& eye, const Vector3d& ray, const Vector3d& low,
+                  const Vector3d& high) {
   Interval inside{0, std::numeric_limits<double>::infinity()};
   for (int axis = 0; axis < 3; ++axis) {
-    // A ray across the axis divides by zero: its interval is everything or nothing, as it should be.
+    // A ray across the axis divides by zero: its interval is
+    // everything or nothing, as it should be.
     const double a = (low[axis] - eye[axis]) / ray[axis], b = (high[axis] - eye[axis]) / ray[axis];
     inside.begin = std::max(inside.begin, std::min(a, b));
     inside.end = std::min(inside.end, std::max(a, b));
@@ -58,7 +60,8 @@ class Scene {
   Sight Look(const Vector3d& eye, const Vector3d& ray) const {
     Sight sight;
     const auto see = [&](double depth, Surface surface) {
-      if (depth > 0 && (sight.surface == Surface::kNothing || depth < sight.depth_m)) sight = {depth, surface};
+      if (depth > 0 && (sight.surface == Surface::kNothing || depth < sight.depth_m))
+        sight = {depth, surface};
     };
     if (ray.z() < 0) see((-config_.table_m - eye.z()) / ray.z(), Surface::kTable);
     for (const auto& [low, high] : walls_) {
@@ -73,7 +76,8 @@ class Scene {
  private:
   // Depth of the first point below the sand's surface; 0: none.
   double SandDepth(const Vector3d& eye, const Vector3d& ray) const {
-    const Interval span = Crossing(eye, ray, {0, 0, lowest_ - 1e-6}, {bed_.width_m(), bed_.depth_m(), highest_ + 1e-6});
+    const Interval span = Crossing(eye, ray, {0, 0, lowest_ - 1e-6},
+                                   {bed_.width_m(), bed_.depth_m(), highest_ + 1e-6});
     if (span.empty()) return 0;
     const auto below = [&](double t) {
       const Vector3d p = eye + t * ray;
@@ -112,7 +116,8 @@ Eigen::Isometry3d CameraAbove(double width_m, double depth_m, double height_m) {
   return X_BC;
 }
 
-DepthCamera::DepthCamera(const CameraModel& camera, const Eigen::Isometry3d& X_BC, const DepthCameraConfig& config)
+DepthCamera::DepthCamera(const CameraModel& camera, const Eigen::Isometry3d& X_BC,
+                         const DepthCameraConfig& config)
     : camera_(camera), X_BC_(X_BC), config_(config), rays_(PixelRays(camera)) {}
 
 DepthFrame DepthCamera::Render(const HeightMap& bed, RandomStream& stream) const {
@@ -120,12 +125,14 @@ DepthFrame DepthCamera::Render(const HeightMap& bed, RandomStream& stream) const
   const Vector3d eye = X_BC_.translation();
   const double top = std::max<double>(config_.wall_height_m, std::ranges::max(bed.height_m));
   if (eye.z() <= top)
-    throw Error(fmt::format("the camera is {:.3f} m above the box floor; it must be above walls and sand ({:.3f} m)",
-                            eye.z(), top));
+    throw Error(fmt::format(
+        "the camera is {:.3f} m above the box floor; it must be above walls and sand ({:.3f} m)",
+        eye.z(), top));
   const Scene scene(bed, config_);
   std::vector<Sight> sights;
   sights.reserve(rays_.size());
-  for (const PixelRay& ray : rays_) sights.push_back(scene.Look(eye, X_BC_.linear() * Vector3d(ray.x, ray.y, 1)));
+  for (const PixelRay& ray : rays_)
+    sights.push_back(scene.Look(eye, X_BC_.linear() * Vector3d(ray.x, ray.y, 1)));
 
   const int width = static_cast<int>(camera_.width), height = static_cast<int>(camera_.height);
   DepthFrame frame{width, height, std::vector<float>(sights.size(), 0)};
@@ -148,7 +155,8 @@ DepthFrame DepthCamera::Render(const HeightMap& bed, RandomStream& stream) const
       if (sight.surface == Surface::kNothing || luck < missing) continue;
       const double scale = sight.depth_m / kNoiseDepth_m;
       const double reading = sight.depth_m + config_.noise_m * scale * scale * noise;
-      frame.depth_m[i] = static_cast<float>(std::round(reading / config_.resolution_m) * config_.resolution_m);
+      frame.depth_m[i] =
+          static_cast<float>(std::round(reading / config_.resolution_m) * config_.resolution_m);
     }
   }
   return frame;

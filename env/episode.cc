@@ -25,11 +25,15 @@ void CheckGateFits(const World& world, const HeightMap& map) {
   const Workcell& cell = world.gate->workcell();
   const Blade &gated = cell.tool.blade, &sand = world.sand.blade();
   if (gated.width_m != sand.width_m || gated.thickness_m != sand.thickness_m)
-    throw Error(fmt::format("the workcell's blade is {} x {} m, the sand model's {} x {} m; they must be equal",
-                            gated.width_m, gated.thickness_m, sand.width_m, sand.thickness_m));
-  if (std::abs(cell.box.width_m - map.width_m()) > 1e-6 || std::abs(cell.box.depth_m - map.depth_m()) > 1e-6)
-    throw Error(fmt::format("the workcell's box is {:.4g} x {:.4g} m, the terrain {:.4g} x {:.4g} m; they must "
-                            "be equal", cell.box.width_m, cell.box.depth_m, map.width_m(), map.depth_m()));
+    throw Error(fmt::format(
+        "the workcell's blade is {} x {} m, the sand model's {} x {} m; they must be equal",
+        gated.width_m, gated.thickness_m, sand.width_m, sand.thickness_m));
+  if (std::abs(cell.box.width_m - map.width_m()) > 1e-6 ||
+      std::abs(cell.box.depth_m - map.depth_m()) > 1e-6)
+    throw Error(fmt::format(
+        "the workcell's box is {:.4g} x {:.4g} m, the terrain {:.4g} x {:.4g} m; they must "
+        "be equal",
+        cell.box.width_m, cell.box.depth_m, map.width_m(), map.depth_m()));
 }
 
 // [low, low + extent) around `middle` along one axis, moved inside [0, wall] where it fits.
@@ -46,11 +50,12 @@ void EndIfDue(const EpisodeConfig& config, EpisodeState& episode) {
                       episode.strokes() >= config.truncate_after_strokes;
 }
 
-StrokeResult DecodeAndGate(const World& world, const EpisodeConfig& config, const EpisodeState& episode,
-                           const Action& action) {
+StrokeResult DecodeAndGate(const World& world, const EpisodeConfig& config,
+                           const EpisodeState& episode, const Action& action) {
   const HeightMap& sensed = episode.sensed.map();
   StrokeResult result;
-  result.stroke = DecodeAction(action, sensed, episode.region, world.sand.blade(), config.speed_mps);
+  result.stroke =
+      DecodeAction(action, sensed, episode.region, world.sand.blade(), config.speed_mps);
   if (!world.gate) return result;
   CheckGateFits(world, sensed);
   GateVerdict verdict = world.gate->Check(result.stroke, sensed, GateSampling::kCoarse);
@@ -63,7 +68,8 @@ void RewardAndSense(const EpisodeConfig& config, SandState after, EpisodeState& 
                     StrokeResult& result) {
   ++episode.budget_used;
   if (result.accepted()) {
-    result.reward = StrokeReward(config.reward, episode.sand.map(), after.map(), episode.task->goal);
+    result.reward =
+        StrokeReward(config.reward, episode.sand.map(), after.map(), episode.task->goal);
     episode.sand = std::move(after);
     episode.moved_volume_m3 += result.outcome.moved_volume_m3;
     episode.rejected_in_a_row = 0;
@@ -94,11 +100,13 @@ Region RegionOf(const Task& task, const EpisodeConfig& config) {
   }
   const double cell = goal.cell_size_m;
   if (counted.columns() * cell > width_m + 1e-9 || counted.rows() * cell > depth_m + 1e-9)
-    throw Error(fmt::format("the goal counts over {:.3f} x {:.3f} m; the region (region_width_m, "
-                            "region_depth_m) is {:.3f} x {:.3f} m and must hold it",
-                            counted.columns() * cell, counted.rows() * cell, width_m, depth_m));
+    throw Error(
+        fmt::format("the goal counts over {:.3f} x {:.3f} m; the region (region_width_m, "
+                    "region_depth_m) is {:.3f} x {:.3f} m and must hold it",
+                    counted.columns() * cell, counted.rows() * cell, width_m, depth_m));
   return {Corner((counted.column0 + counted.column1) * cell / 2, width_m, goal.width_m()),
-          Corner((counted.row0 + counted.row1) * cell / 2, depth_m, goal.depth_m()), width_m, depth_m};
+          Corner((counted.row0 + counted.row1) * cell / 2, depth_m, goal.depth_m()), width_m,
+          depth_m};
 }
 
 EpisodeState StartEpisode(const SandModel& model, std::shared_ptr<const Task> task, const EpisodeConfig& config,
@@ -125,7 +133,8 @@ TaskView View(const EpisodeState& episode) {
           .rejected_in_a_row = episode.rejected_in_a_row};
 }
 
-std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world, const EpisodeConfig& config,
+std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world,
+                                                      const EpisodeConfig& config,
                                                       std::span<EpisodeState> episodes,
                                                       std::span<const Action> actions) {
   SAND_CHECK(episodes.size() == actions.size(), episodes.size(), actions.size());
@@ -161,8 +170,10 @@ std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world, const 
   return results;
 }
 
-std::map<std::string, double> EpisodeMetrics(const EpisodeState& episode, const EpisodeConfig& config) {
-  const HeightMap &start = episode.task->terrain, &goal = episode.task->goal, &end = episode.sand.map();
+std::map<std::string, double> EpisodeMetrics(const EpisodeState& episode,
+                                             const EpisodeConfig& config) {
+  const HeightMap &start = episode.task->terrain, &goal = episode.task->goal,
+                  &end = episode.sand.map();
   double square_sum = 0, counted = 0, changed = 0;
   for (size_t i = 0; i < end.size(); ++i) {
     const double h = end.height_m[i];

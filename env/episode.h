@@ -22,8 +22,9 @@ class SafetyGate;
 // What executes strokes. The references must outlive their user.
 struct World {
   const SandModel& sand;
-  const SafetyGate* gate = nullptr;  // none: no arm, every stroke is executed as far as the box allows
-  int threads = 1;                   // for decoding, gate and sensing; results do not depend on it
+  // None: no arm, every stroke is executed as far as the box allows.
+  const SafetyGate* gate = nullptr;
+  int threads = 1;  // for decoding, gate and sensing; results do not depend on it
 };
 
 struct EpisodeConfig {
@@ -36,12 +37,16 @@ struct EpisodeConfig {
   RewardConfig reward = {};
 
   void Fields(FieldList& f) {
-    f.Add("region_width_m", region_width_m, "extent of the region along x [m]; 0: the whole map", 0, 5);
-    f.Add("region_depth_m", region_depth_m, "extent of the region along y [m]; 0: the whole map", 0, 5);
+    f.Add("region_width_m", region_width_m, "extent of the region along x [m]; 0: the whole map", 0,
+          5);
+    f.Add("region_depth_m", region_depth_m, "extent of the region along y [m]; 0: the whole map", 0,
+          5);
     f.Add("speed_mps", speed_mps, "speed of the blade [m/s]", 0.005, 1);
     f.Add("success_error_m", success_error_m, "goal error at which a task is done [m]", 0, 0.1);
-    f.Add("sensor_noise_m", sensor_noise_m, "sd of a sensed height, drawn anew each stroke [m]", 0, 0.05);
-    f.Add("max_rejected_in_a_row", max_rejected_in_a_row, "rejected strokes in a row that end it", 1, 1000);
+    f.Add("sensor_noise_m", sensor_noise_m, "sd of a sensed height, drawn anew each stroke [m]", 0,
+          0.05);
+    f.Add("max_rejected_in_a_row", max_rejected_in_a_row, "rejected strokes in a row that end it",
+          1, 1000);
     f.Add("truncate_after_strokes", truncate_after_strokes,
           "limit from outside the task [strokes]; 0: none", 0, 100000);
     f.Section("reward", reward);
@@ -76,9 +81,9 @@ struct StrokeResult {
   bool accepted() const { return rejected_for.empty(); }
 };
 
-// The part of the box that actions and observations are relative to: config's extent around the middle
-// of the goal's mask, moved inside the walls where it fits there; the whole map for extent 0. Throws
-// Error where the mask reaches beyond it.
+// The part of the box that actions and observations are relative to: config's extent around the
+// middle of the goal's mask, moved inside the walls where it fits there; the whole map for extent
+// 0. Throws Error where the mask reaches beyond it.
 Region RegionOf(const Task& task, const EpisodeConfig& config);
 
 // A bed of `model` for the task's terrain. `budget_used` > 0 starts with that part of the budget gone. The task must pass CheckTask.
@@ -89,11 +94,12 @@ EpisodeState StartEpisode(const SandModel& model, std::shared_ptr<const Task> ta
 TaskView View(const EpisodeState& episode);
 
 // One stroke of each episode: decode, gate, sand, sense, reward. Episodes that have ended are left
-// alone and give no result. Terminated: success, budget used up, or too many rejected strokes in a row;
-// truncated: only EpisodeConfig::truncate_after_strokes. A rejected stroke uses up budget and moves
-// no sand. Throws Error before anything changes where an action is not in [-1, 1], or where the gate's
-// blade or box is another than the sand's.
-std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world, const EpisodeConfig& config,
+// alone and give no result. Terminated: success, budget used up, or too many rejected strokes in a
+// row; truncated: only EpisodeConfig::truncate_after_strokes. A rejected stroke uses up budget and
+// moves no sand. Throws Error before anything changes where an action is not in [-1, 1], or where
+// the gate's blade or box is another than the sand's.
+std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world,
+                                                      const EpisodeConfig& config,
                                                       std::span<EpisodeState> episodes,
                                                       std::span<const Action> actions);
 
@@ -103,6 +109,7 @@ std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world, const 
 //   in_goal_cells_changed share of the mask's cells that changed by more than 2 mm
 //   strokes, rejected_strokes, success (0 or 1), moved_volume_cm3
 //   error_after_5_mm, error_after_10_mm, error_after_20_mm  after that many strokes or at the end
-std::map<std::string, double> EpisodeMetrics(const EpisodeState& episode, const EpisodeConfig& config);
+std::map<std::string, double> EpisodeMetrics(const EpisodeState& episode,
+                                             const EpisodeConfig& config);
 
 }  // namespace sandwright

@@ -26,14 +26,14 @@ bool WithoutFoot(GoalKind kind) { return kind == GoalKind::kLevel || kind == Goa
 GoalKind ParseGoalKind(const std::string& name) {
   const auto found = std::ranges::find(kGoalNames, name);
   if (found == kGoalNames.end())
-    throw Error(fmt::format("goal kind \"{}\" is unknown; allowed: {}", name, fmt::join(kGoalNames, ", ")));
+    throw Error(
+        fmt::format("goal kind \"{}\" is unknown; allowed: {}", name, fmt::join(kGoalNames, ", ")));
   return static_cast<GoalKind>(found - kGoalNames.begin());
 }
 
 double ShapeHeight(const GoalShape& shape, double x_m, double y_m) {
   switch (shape.kind) {
-    case GoalKind::kLevel:
-      return 0;
+    case GoalKind::kLevel: return 0;
     case GoalKind::kTerrace: {
       const double uphill = std::cos(shape.heading_rad) * (x_m - shape.x_m) +
                             std::sin(shape.heading_rad) * (y_m - shape.y_m);
@@ -49,9 +49,8 @@ double ShapeHeight(const GoalShape& shape, double x_m, double y_m) {
 }
 
 double DistanceToFoot(const GoalShape& shape, double x_m, double y_m) {
-  return WithoutFoot(shape.kind)
-             ? -1
-             : DistanceFromFlat(shape, x_m, y_m) - shape.rise_m / shape.slope;
+  return WithoutFoot(shape.kind) ? -1
+                                 : DistanceFromFlat(shape, x_m, y_m) - shape.rise_m / shape.slope;
 }
 
 HeightMap MakeGoal(const GoalShape& shape, const HeightMap& terrain, const Region& region,
@@ -83,10 +82,11 @@ HeightMap MakeGoal(const GoalShape& shape, const HeightMap& terrain, const Regio
     if (!goal.mask[i]) continue;
     goal.height_m[i] = static_cast<float>(plane_m + goal.height_m[i]);
     if (goal.datum == Datum::kFloor && goal.height_m[i] < 0)
-      throw Error(fmt::format("the {} goal reaches {:.1f} mm below the floor: {:.1f} mm of rise is too "
-                              "much for sand {:.1f} mm deep",
-                              kGoalNames[static_cast<size_t>(shape.kind)], -1e3 * goal.height_m[i],
-                              1e3 * shape.rise_m, 1e3 * plane_m));
+      throw Error(
+          fmt::format("the {} goal reaches {:.1f} mm below the floor: {:.1f} mm of rise is too "
+                      "much for sand {:.1f} mm deep",
+                      kGoalNames[static_cast<size_t>(shape.kind)], -1e3 * goal.height_m[i],
+                      1e3 * shape.rise_m, 1e3 * plane_m));
   }
   return goal;
 }

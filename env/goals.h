@@ -1,4 +1,5 @@
-// Goals that a blade can reach: simple shapes with slopes within repose, of the terrain's own volume.
+// Goals that a blade can reach: simple shapes with slopes within
+// repose, of the terrain's own volume.
 #pragma once
 
 #include <array>
@@ -21,12 +22,12 @@ GoalKind ParseGoalKind(const std::string& name);
 // A shape on a plane; which numbers count depends on the kind.
 struct GoalShape {
   GoalKind kind = GoalKind::kLevel;
-  double x_m = 0, y_m = 0;    // middle, in frame B
-  double heading_rad = 0;     // along trench and ridge; terrace: uphill
-  double half_length_m = 0;   // trench, ridge: half the straight middle line
-  double half_width_m = 0;    // half the flat top or bottom
-  double rise_m = 0;          // top above (bottom below) the plane; terrace: between its levels
-  double slope = 0.45;        // rise over run of the flanks; 0.45: 24 degrees
+  double x_m = 0, y_m = 0;   // middle, in frame B
+  double heading_rad = 0;    // along trench and ridge; terrace: uphill
+  double half_length_m = 0;  // trench, ridge: half the straight middle line
+  double half_width_m = 0;   // half the flat top or bottom
+  double rise_m = 0;         // top above (bottom below) the plane; terrace: between its levels
+  double slope = 0.45;       // rise over run of the flanks; 0.45: 24 degrees
 };
 
 // Height of the shape against its plane [m] at a point of frame B.

@@ -9,8 +9,8 @@
 namespace sandwright {
 namespace {
 
-// One observation cell along one axis: the map's cells it reads and with what weight. The weights add
-// up to `inside`, the share of the cell that lies within the walls.
+// One observation cell along one axis: the map's cells it reads and with what weight. The weights
+// add up to `inside`, the share of the cell that lies within the walls.
 struct Reach {
   int first = 0;
   std::vector<float> weight;
@@ -18,13 +18,15 @@ struct Reach {
 };
 
 // Observation cells over [origin, origin + extent] of an axis with `cells` map cells.
-std::vector<Reach> Reaches(double origin_m, double extent_m, int count, int cells, double cell_size_m) {
+std::vector<Reach> Reaches(double origin_m, double extent_m, int count, int cells,
+                           double cell_size_m) {
   std::vector<Reach> reaches(static_cast<size_t>(count));
   const double size = extent_m / count / cell_size_m;  // in map cells
   for (int k = 0; k < count; ++k) {
     Reach& reach = reaches[static_cast<size_t>(k)];
     const double low = origin_m / cell_size_m + k * size;
-    const double from = std::clamp<double>(low, 0, cells), to = std::clamp<double>(low + size, 0, cells);
+    const double from = std::clamp<double>(low, 0, cells),
+                 to = std::clamp<double>(low + size, 0, cells);
     reach.inside = static_cast<float>((to - from) / size);
     if (to - from < 1e-9) continue;
     if (size < 1) {  // finer than the map: bilinear at the middle of the part inside
@@ -51,11 +53,12 @@ void Blur(const float* in, float* out, int rows, int columns, double sd_rows, do
     double sum = 0;
     for (int k = -radius; k <= radius; ++k) sum += std::exp(-k * k / (2 * sd * sd));
     for (int k = -radius; k <= radius; ++k)
-      taps[static_cast<size_t>(k + radius)] = static_cast<float>(std::exp(-k * k / (2 * sd * sd)) / sum);
+      taps[static_cast<size_t>(k + radius)] =
+          static_cast<float>(std::exp(-k * k / (2 * sd * sd)) / sum);
     return taps;
   };
-  const auto along = [&](const float* from, float* to, int lines, int line_step, int count, int step,
-                         const std::vector<float>& taps) {
+  const auto along = [&](const float* from, float* to, int lines, int line_step, int count,
+                         int step, const std::vector<float>& taps) {
     const int radius = static_cast<int>(taps.size()) / 2;
     for (int line = 0; line < lines; ++line) {
       for (int i = 0; i < count; ++i) {

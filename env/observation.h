@@ -15,7 +15,8 @@ struct ObservationConfig {
   void Fields(FieldList& f) {
     f.Add("rows", rows, "observation cells over the region's depth (y)", 4, 256);
     f.Add("columns", columns, "observation cells over the region's width (x)", 4, 256);
-    f.Add("blur_m", blur_m, "sd of the Gaussian that blurs the coarse goal difference [m]", 0.001, 0.5);
+    f.Add("blur_m", blur_m, "sd of the Gaussian that blurs the coarse goal difference [m]", 0.001,
+          0.5);
   }
 };
 
@@ -39,7 +40,8 @@ inline constexpr double kBudgetScale = 20;          // strokes
 ObservationSpec SpecOf(const ObservationConfig& config);
 
 // Writes one observation: `map_chw` SpecOf().map_size() and `vec` SpecOf().vec_size() numbers. The
-// region is resampled area-weighted where its cells are coarser than the map's, bilinear where finer.
+// region is resampled area-weighted where its cells are coarser than
+// the map's, bilinear where finer.
 void Encode(const TaskView& view, const ObservationConfig& config, float* map_chw, float* vec);
 
 }  // namespace sandwright

@@ -11,7 +11,8 @@ Reward StrokeReward(const RewardConfig& config, const HeightMap& before, const H
   SAND_CHECK(before.SameGrid(after) && before.SameGrid(goal), before.rows, after.rows, goal.rows);
   double outside_m = 0;  // sum of |change| where the goal does not count
   for (size_t i = 0; i < goal.size(); ++i) {
-    if (!goal.mask[i]) outside_m += std::abs(static_cast<double>(after.height_m[i]) - before.height_m[i]);
+    if (!goal.mask[i])
+      outside_m += std::abs(static_cast<double>(after.height_m[i]) - before.height_m[i]);
   }
   const double outside_cm3 = outside_m * before.cell_size_m * before.cell_size_m * 1e6;
   Reward reward;

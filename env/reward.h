@@ -23,8 +23,9 @@ struct RewardConfig {
 
 // The terms of one stroke's reward, signed: costs are negative.
 struct Reward {
-  double progress = 0;  // drop of the goal error: potential-based and undiscounted, so over an episode
-                        // it adds up to the whole drop whatever the way there
+  // Drop of the goal error: potential-based and undiscounted, so over an episode it adds up to the
+  // whole drop whatever the way there.
+  double progress = 0;
   double stroke = 0;
   double outside = 0;
   double rejected = 0;

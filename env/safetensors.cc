@@ -70,7 +70,8 @@ Safetensors ReadSafetensors(const std::filesystem::path& file) {
   uint64_t header_bytes = 0;
   if (bytes.size() < kLengthBytes) Reject(file, "it is shorter than 8 bytes");
   std::memcpy(&header_bytes, bytes.data(), kLengthBytes);
-  if (header_bytes > bytes.size() - kLengthBytes) Reject(file, "it is truncated or of another kind");
+  if (header_bytes > bytes.size() - kLengthBytes)
+    Reject(file, "it is truncated or of another kind");
   const std::string_view header(bytes.data() + kLengthBytes, header_bytes);
   const std::string_view data =
       std::string_view(bytes).substr(kLengthBytes + static_cast<size_t>(header_bytes));
@@ -101,7 +102,8 @@ void WriteSafetensors(const Safetensors& content, const std::filesystem::path& f
     SAND_CHECK(count == tensor.values.size(), name, count, tensor.values.size());
     const size_t begin = data.size();
     data.append(reinterpret_cast<const char*>(tensor.values.data()), count * sizeof(float));
-    header[name] = {{"dtype", "F32"}, {"shape", tensor.shape}, {"data_offsets", {begin, data.size()}}};
+    header[name] = {
+        {"dtype", "F32"}, {"shape", tensor.shape}, {"data_offsets", {begin, data.size()}}};
   }
   std::string text = header.dump();
   text.append((kLengthBytes - text.size() % kLengthBytes) % kLengthBytes, ' ');  // aligned data

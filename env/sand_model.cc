@@ -6,7 +6,8 @@
 
 namespace sandwright {
 
-std::vector<Outcome> SandModel::Apply(std::span<SandState> states, std::span<const ToolPath> paths) const {
+std::vector<Outcome> SandModel::Apply(std::span<SandState> states,
+                                      std::span<const ToolPath> paths) const {
   SAND_CHECK(states.size() == paths.size(), states.size(), paths.size());
   for (size_t i = 0; i < states.size(); ++i) {
     const HeightMap& map = states[i].map();
@@ -23,7 +24,8 @@ std::vector<Outcome> SandModel::Apply(std::span<SandState> states, std::span<con
   return ApplyChecked(states, paths);
 }
 
-std::vector<Outcome> SandModel::Apply(std::span<SandState> states, std::span<const Stroke> strokes) const {
+std::vector<Outcome> SandModel::Apply(std::span<SandState> states,
+                                      std::span<const Stroke> strokes) const {
   SAND_CHECK(states.size() == strokes.size(), states.size(), strokes.size());
   std::vector<ToolPath> paths;
   for (size_t i = 0; i < strokes.size(); ++i)

@@ -1,5 +1,5 @@
-// What sand does under the blade: one interface for the heightfield, the learned surrogate and, as a
-// world, the grains.
+// What sand does under the blade: one interface for the heightfield, the learned surrogate and the
+// grains.
 #pragma once
 
 #include <memory>
@@ -36,9 +36,9 @@ class SandState {
 
 // What one stroke did to one state.
 struct Outcome {
-  bool left_box = false;     // limited: part of the blade's path lay outside the walls and was clipped
-  bool below_floor = false;  // limited: the path went below the floor and was raised to it
-  CellRect changed;          // cells that may have changed (empty: none)
+  bool left_box = false;  // limited: part of the blade's path lay outside the walls and was clipped
+  bool below_floor = false;    // limited: the path went below the floor and was raised to it
+  CellRect changed;            // cells that may have changed (empty: none)
   double moved_volume_m3 = 0;  // sum of |change| / 2 over the changed cells
   bool limited() const { return left_box || below_floor; }
 };
@@ -60,9 +60,9 @@ class SandModel {
     return SandState(std::move(terrain));
   }
 
-  // Applies paths[i] to states[i] in place, each independently of the others; the same bytes for any
-  // thread count and batch order. Throws Error (NaN, wrong cell size, empty path) before anything
-  // changes.
+  // Applies paths[i] to states[i] in place, each independently of the others; the
+  // same bytes for any thread count and batch order. Throws Error (NaN, wrong cell
+  // size, empty path) before anything changes.
   std::vector<Outcome> Apply(std::span<SandState> states, std::span<const ToolPath> paths) const;
   // The same for strokes, sampled at half a cell.
   std::vector<Outcome> Apply(std::span<SandState> states, std::span<const Stroke> strokes) const;

@@ -56,14 +56,18 @@ class Scorer {
     const StrokeFile file = ReadStrokeFile(path);
     if (file.strokes.empty()) throw Error(path.string() + ": the file holds no stroke");
     for (size_t i = 0; i < file.strokes.size(); ++i) {
-      ThrowIfStopRequested();
+      if (Stopped()) return;
       ScoreRecord(path, file.strokes[i], static_cast<int>(i));
     }
     AddReplicates(path, file);
     if (config_.rollout) RollOut(file);
   }
 
+  // Whether Ctrl-C was seen; the report then says so.
+  bool Stopped() { return report_.stopped = report_.stopped || StopRequested(); }
+
   ScoreReport Finish() {
+    if (report_.strokes.empty()) ThrowIfStopRequested();
     const auto count = static_cast<double>(report_.strokes.size());
     report_.ms_per_stroke = seconds_ * 1e3 / count;
     report_.floor_mm = config_.floor_mm.value_or(floor_.rmse_mm());
@@ -142,7 +146,7 @@ class Scorer {
     CellRect window;
     int done = 0;
     for (size_t i = 0; i < file.strokes.size(); ++i) {
-      ThrowIfStopRequested();
+      if (Stopped()) return;
       const StrokeRecord& record = file.strokes[i];
       const bool follows = i > 0 && record.sequence == file.strokes[i - 1].sequence &&
                            record.step == file.strokes[i - 1].step + 1;
@@ -224,7 +228,7 @@ ScoreReport ScoreModel(const SandModel& model, std::span<const std::filesystem::
   SAND_CHECK(!files.empty());
   Scorer scorer(model, config);
   Progress progress("score", static_cast<int64_t>(files.size()), "files");
-  for (size_t i = 0; i < files.size(); ++i) {
+  for (size_t i = 0; i < files.size() && !scorer.Stopped(); ++i) {
     scorer.AddFile(files[i]);
     progress.Update(static_cast<int64_t>(i) + 1);
   }
@@ -246,7 +250,8 @@ nlohmann::json ScoreReport::ToJson() const {
                          {"floor_mm", floor_mm},
                          {"floor_source", floor_source},
                          {"volume_drift_rel", Number(total.volume_drift_rel)},
-                         {"ms_per_stroke", ms_per_stroke}};
+                         {"ms_per_stroke", ms_per_stroke},
+                         {"stopped", stopped}};
   for (char c = 'A'; c <= 'F'; ++c) {
     std::vector<StrokeScore> of_class;
     for (const StrokeScore& s : strokes) {

@@ -16,8 +16,8 @@ namespace sandwright {
 
 struct ScoreConfig {
   double cell_size_m = 0.004;  // errors are taken on cells of this size
-  double model_cell_size_m =
-      0;  // cells the model works on; 0: those it is bound to, else those above
+  // Cells the model works on; 0: those it is bound to, else those above.
+  double model_cell_size_m = 0;
   std::optional<double> floor_mm;  // noise floor; none: from the replicates in the data, else 0
   bool rollout = false;            // accrued error over the sequences too
   bool paper = false;              // the errors of paper_protocol.h too
@@ -37,6 +37,7 @@ struct ScoreReport {
   std::string floor_source;  // "given", "replicates", "none in the data"
   double ms_per_stroke = 0;  // one stroke at a time, from height map and path to height map
   std::vector<StrokeScore> strokes;
+  bool stopped = false;                   // by Ctrl-C, before the last stroke
   std::map<int, double> accrued_rmse_mm;  // with rollout: see ScoreModel
   // With paper: means over strokes (the mode for the RMSE), on the paper's crop.
   std::optional<double> paper_mae_mm, paper_rmse_mode_mm, paper_mean_max_mm;
@@ -52,7 +53,8 @@ struct ScoreReport {
 // taken over the union of the score windows so far, and pooled over the sequences that reach it.
 //
 // Error: a file without strokes, a blade other than the model's, cells that do not divide the map,
-// a replicate of a group that the file does not hold. Ctrl-C throws kInterrupted.
+// a replicate of a group that the file does not hold. After Ctrl-C the report is over the strokes
+// so far; it throws kInterrupted where there are none.
 ScoreReport ScoreModel(const SandModel& model, std::span<const std::filesystem::path> files,
                        const ScoreConfig& config);
 

@@ -29,9 +29,10 @@ EpisodeState ShapingEnv::NewEpisode(int index, uint64_t number) const {
   RandomStream task_stream(seed_, kTrainingTasks, id);
   const RandomStream noise(seed_, StreamId("sensor noise"), id);
   std::shared_ptr<const Task> task = tasks_(task_stream);
-  const int used = config_.random_phase && number == 0
-                       ? static_cast<int>(task_stream.Index(static_cast<uint64_t>(task->max_strokes)))
-                       : 0;
+  const int used =
+      config_.random_phase && number == 0
+          ? static_cast<int>(task_stream.Index(static_cast<uint64_t>(task->max_strokes)))
+          : 0;
   return StartEpisode(world_.sand, std::move(task), config_.episode, noise, used);
 }
 
@@ -80,8 +81,8 @@ StepBatch ShapingEnv::Step(std::span<const float> action_na) {
     batch.terminated.push_back(episode.terminated);
     batch.truncated.push_back(episode.truncated);
     if (episode.ended())
-      batch.finished.push_back({episode.episode_return, episode.strokes(),
-                                EpisodeMetrics(episode, config_.episode)});
+      batch.finished.push_back(
+          {episode.episode_return, episode.strokes(), EpisodeMetrics(episode, config_.episode)});
   }
   ParallelFor(num_envs(), world_.threads, [&](int index) {
     const auto i = static_cast<size_t>(index);

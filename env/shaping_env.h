@@ -20,7 +20,8 @@ struct ShapingConfig {
   void Fields(FieldList& f) {
     f.Add("num_envs", num_envs, "environments stepped together", 1, 100000);
     f.Add("random_phase", random_phase,
-          "first episodes start with a random part of their budget used, so that not all end together");
+          "first episodes start with a random part of their budget used, so that not all end "
+          "together");
     f.Section("episode", episode);
     f.Section("observation", observation);
   }
@@ -33,8 +34,8 @@ TaskSource TasksFrom(std::vector<Task> tasks);
 // A new one each time.
 TaskSource TasksFrom(const TaskConfig& config);
 
-// Episode k of environment i draws its task and its noise from streams of (seed, purpose, i 2^32 + k):
-// the same seed gives the same bytes whatever World::threads is.
+// Episode k of environment i draws its task and its noise from streams of (seed, purpose, i 2^32 +
+// k): the same seed gives the same bytes whatever World::threads is.
 class ShapingEnv final : public VecEnv {
  public:
   // `world` must outlive the environment.

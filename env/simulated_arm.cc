@@ -12,7 +12,9 @@ constexpr double kSettleLags = 8;  // e^-8 of the lag is left
 }  // namespace
 
 SimulatedArm::SimulatedArm(const Workcell& workcell, const SimulatedArmConfig& config)
-    : config_(config), X_BW_(workcell.X_WB.ToIsometry().inverse()), model_(MakeArmModel(workcell)) {}
+    : config_(config),
+      X_BW_(workcell.X_WB.ToIsometry().inverse()),
+      model_(MakeArmModel(workcell)) {}
 
 ArmRecord SimulatedArm::Follow(const std::vector<JointAngles>& knots, RandomStream& random) const {
   constexpr double dt = StrokeMotion::kPeriod_s;
@@ -49,8 +51,10 @@ ExecutedStroke SimulatedArm::Execute(const StrokeMotion& motion, RandomStream& r
                    std::atan2(normal.y(), normal.x())};
     if (!stroke.path.empty()) {
       const BladePose& back = stroke.path.back();
-      pose.yaw_rad -= 2 * std::numbers::pi * std::round((pose.yaw_rad - back.yaw_rad) / (2 * std::numbers::pi));
-      const bool moved = std::hypot(pose.x_m - back.x_m, pose.y_m - back.y_m, pose.z_m - back.z_m) > kPathStep_m;
+      pose.yaw_rad -=
+          2 * std::numbers::pi * std::round((pose.yaw_rad - back.yaw_rad) / (2 * std::numbers::pi));
+      const bool moved =
+          std::hypot(pose.x_m - back.x_m, pose.y_m - back.y_m, pose.z_m - back.z_m) > kPathStep_m;
       if (!last && !moved && std::abs(pose.yaw_rad - back.yaw_rad) < kPathTurn_rad) return;
     }
     stroke.path.push_back(pose);

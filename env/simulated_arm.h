@@ -11,12 +11,12 @@
 
 namespace sandwright {
 
-// Size of the errors: with the defaults the blade of the shipped cell trails a 0.1 m/s stroke by 2 mm
-// along it and strays from it by about 0.1 mm.
+// Size of the errors: with the defaults the blade of the shipped cell trails a 0.1 m/s stroke by 2
+// mm along it and strays from it by about 0.1 mm.
 struct SimulatedArmConfig {
-  double servo_lag_s = 0.020;        // of each joint behind its command, first order
-  double wander_rad = 5e-5;          // standard deviation of a slow error of each joint
-  double wander_time_s = 0.3;        // over which that error changes
+  double servo_lag_s = 0.020;  // of each joint behind its command, first order
+  double wander_rad = 5e-5;    // standard deviation of a slow error of each joint
+  double wander_time_s = 0.3;  // over which that error changes
 
   void Fields(FieldList& f) {
     f.Add("servo_lag_s", servo_lag_s, "lag of each joint behind its command [s]", 0, 1);

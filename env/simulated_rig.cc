@@ -16,8 +16,9 @@ HeightMap SimulatedRig::Scan(const ScanConfig& config) {
   const DepthCamera camera(config_.camera, X_BC_);
   std::vector<DepthFrame> frames;
   for (int64_t i = 0; i < config_.frames; ++i) frames.push_back(camera.Render(bed, stream_));
-  const ScanResult scan = ScanDepth(frames, config_.camera, config,
-                                    {.box_size_m = Eigen::Vector2d(bed.width_m(), bed.depth_m()), .X_BC = X_BC_});
+  const ScanResult scan =
+      ScanDepth(frames, config_.camera, config,
+                {.box_size_m = Eigen::Vector2d(bed.width_m(), bed.depth_m()), .X_BC = X_BC_});
   if (!scan.accepted) throw Error("the rescan was refused", scan.reasons);
   return scan.map;
 }

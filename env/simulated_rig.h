@@ -16,7 +16,8 @@ struct SimulatedRigConfig {
   SimulatedArmConfig arm;
 
   void Fields(FieldList& f) {
-    f.Add("camera_height_m", camera_height_m, "camera above the box floor, over its middle [m]", 0.5, 4);
+    f.Add("camera_height_m", camera_height_m, "camera above the box floor, over its middle [m]",
+          0.5, 4);
     f.Add("frames", frames, "depth frames that one scan fuses", 1, 100);
     f.Section("camera", camera);
     f.Section("arm", arm);
@@ -30,7 +31,8 @@ class SimulatedRig {
   SimulatedRig(const Workcell& workcell, const SandModel& world, HeightMap truth,
                const SimulatedRigConfig& config, RandomStream stream);
 
-  // Looks at the bed with the camera's known pose. Throws Error (kRefused) where the scan is refused.
+  // Looks at the bed with the camera's known pose. Throws Error
+  // (kRefused) where the scan is refused.
   HeightMap Scan(const ScanConfig& config);
   // The arm follows the motion and the sand gives way to where the blade really went.
   ExecutedStroke Execute(const StrokeMotion& motion);

@@ -67,8 +67,8 @@ void Flatten(HeightMap& map, double about_m, double factor) {
 Task GenerateGoal(const TaskConfig& config, const HeightMap& terrain, RandomStream& stream) {
   const Region place = DrawPlace(config, terrain, stream);
   const GoalShape shape = DrawShape(config, place, MeanHeight(terrain), stream);
-  const double margin_m = config.margin_m == 0 ? std::max(terrain.width_m(), terrain.depth_m()) * 2
-                                               : config.margin_m;
+  const double margin_m =
+      config.margin_m == 0 ? std::max(terrain.width_m(), terrain.depth_m()) * 2 : config.margin_m;
   return {terrain, MakeGoal(shape, terrain, place, margin_m), static_cast<int>(config.max_strokes)};
 }
 
@@ -80,7 +80,8 @@ Task GenerateTask(const TaskConfig& config, RandomStream& stream) {
   const int columns = WholeCells(config.width_m, config.cell_size_m, "width_m");
   double roughest_m = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    const HeightMap terrain = GenerateTerrain(config.terrain, rows, columns, config.cell_size_m, stream);
+    const HeightMap terrain =
+        GenerateTerrain(config.terrain, rows, columns, config.cell_size_m, stream);
     Task task = GenerateGoal(config, terrain, stream);
     const double error_m = GoalError(task.terrain, task.goal);
     roughest_m = std::max(roughest_m, error_m);
@@ -92,9 +93,10 @@ Task GenerateTask(const TaskConfig& config, RandomStream& stream) {
     Flatten(task.goal, mean_m, wanted_m / error_m);
     return task;
   }
-  throw Error(fmt::format("no task of difficulty_low_m = {} or more in {} draws (the roughest: {:.4f} m); "
-                          "lower it, or make terrain or goals rougher",
-                          config.difficulty_low_m, kDraws, roughest_m));
+  throw Error(
+      fmt::format("no task of difficulty_low_m = {} or more in {} draws (the roughest: {:.4f} m); "
+                  "lower it, or make terrain or goals rougher",
+                  config.difficulty_low_m, kDraws, roughest_m));
 }
 
 }  // namespace sandwright

@@ -9,8 +9,8 @@
 
 namespace sandwright {
 
-// What tasks are drawn for. Training and evaluation draw from different streams, so no training seed
-// ever yields an evaluation task.
+// What tasks are drawn for. Training and evaluation draw from different streams, so no
+// training seed ever yields an evaluation task.
 inline constexpr uint64_t kTrainingTasks = StreamId("training task");
 inline constexpr uint64_t kEvaluationTasks = StreamId("evaluation task");
 static_assert(kTrainingTasks != kEvaluationTasks);
@@ -33,17 +33,20 @@ struct TaskConfig {
     f.Add("goal_width_m", goal_width_m, "goal's place along x [m]; 0: the whole box", 0, 5);
     f.Add("goal_depth_m", goal_depth_m, "goal's place along y [m]; 0: the whole box", 0, 5);
     f.Add("goals", goals, "kinds to draw from: level, mound, crater, trench, ridge, terrace");
-    f.Add("margin_m", margin_m, "how far around its shape a goal counts [m]; 0: all of its place", 0, 1);
+    f.Add("margin_m", margin_m, "how far around its shape a goal counts [m]; 0: all of its place",
+          0, 1);
     f.Add("difficulty_low_m", difficulty_low_m, "least goal error at the start [m]", 0.0001, 0.05);
-    f.Add("difficulty_high_m", difficulty_high_m, "largest goal error at the start [m]", 0.0001, 0.05);
+    f.Add("difficulty_high_m", difficulty_high_m, "largest goal error at the start [m]", 0.0001,
+          0.05);
     f.Add("max_strokes", max_strokes, "budget of a task [strokes]", 1, 10000);
     f.Section("terrain", terrain);
   }
 };
 
-// A random task: natural terrain and goal, both flattened about the mean sand depth by one factor that
-// brings the goal error at the start into the difficulty range (uniform over what the draw allows of
-// it); flattening keeps slopes within repose. Throws Error where no draw in 50 is rough enough.
+// A random task: natural terrain and goal, both flattened about the mean sand depth by
+// one factor that brings the goal error at the start into the difficulty range
+// (uniform over what the draw allows of it); flattening keeps slopes within repose.
+// Throws Error where no draw in 50 is rough enough.
 Task GenerateTask(const TaskConfig& config, RandomStream& stream);
 
 // A random goal of the given kinds on a terrain that is given; the difficulty follows from the two.

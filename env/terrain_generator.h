@@ -20,7 +20,8 @@ struct TerrainConfig {
 
   void Fields(FieldList& f) {
     f.Add("mean_depth_m", mean_depth_m, "mean depth of the sand [m]", 0.005, 1);
-    f.Add("amplitude_m", amplitude_m, "standard deviation of the heights before they settle [m]; 0: flat", 0, 0.5);
+    f.Add("amplitude_m", amplitude_m,
+          "standard deviation of the heights before they settle [m]; 0: flat", 0, 0.5);
     f.Add("longest_m", longest_m, "size of the largest hills [m]", 0.01, 5);
     f.Add("scales", scales, "number of scales, each half the one before", 1, 8);
     f.Add("persistence", persistence, "amplitude of a scale over that of the one before [1]", 0, 1);
@@ -31,9 +32,9 @@ struct TerrainConfig {
   }
 };
 
-// Smooth noise at several scales, shapes and a slope, settled to repose. The mean depth is exact to rounding; no cell is
-// below a fifth of it (the amplitude gives way). Same stream, same bytes.
-// Throws Error where a value is out of range or the grid has less than 2 x 2 cells.
+// Smooth noise at several scales, shapes and a slope, settled to repose. The mean depth is exact to rounding; no cell
+// is below a fifth of it (the amplitude gives way). Same stream, same bytes. Throws Error where a
+// value is out of range or the grid has less than 2 x 2 cells.
 HeightMap GenerateTerrain(const TerrainConfig& config, int rows, int columns, double cell_size_m,
                           RandomStream& stream);
 

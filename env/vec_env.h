@@ -9,7 +9,8 @@
 
 namespace sandwright {
 
-// Shapes and meanings, declared once; networks and documents are built from it. A part may be empty.
+// Shapes and meanings, declared once; networks and documents are
+// built from it. A part may be empty.
 struct ObservationSpec {
   std::vector<std::string> channels;  // of `map`, C of them
   int rows = 0, columns = 0;          // H, W of `map`

@@ -10,8 +10,9 @@
 namespace sandwright {
 namespace {
 
-constexpr double kSteel[] = {0.55, 0.57, 0.60}, kWood[] = {0.62, 0.46, 0.30}, kDark[] = {0.16, 0.17, 0.19},
-                 kTable[] = {0.72, 0.74, 0.76}, kSand[] = {0.88, 0.75, 0.53};
+constexpr double kSteel[] = {0.55, 0.57, 0.60}, kWood[] = {0.62, 0.46, 0.30},
+                 kDark[] = {0.16, 0.17, 0.19}, kTable[] = {0.72, 0.74, 0.76},
+                 kSand[] = {0.88, 0.75, 0.53};
 
 struct DeleteSpec {
   void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
@@ -39,9 +40,10 @@ mjsGeom* AddGeom(mjsBody* body, const std::string& name, mjtGeom type, const Eig
 void AddBoxOnTable(mjsBody* world, const Workcell& cell) {
   const BoxSettings& box = cell.box;
   const Eigen::Isometry3d X_WB = cell.X_WB.ToIsometry();
-  const auto block = [&](const std::string& name, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                         const double(&rgb)[3]) {
-    AddGeom(world, name, mjGEOM_BOX, X_WB * Eigen::Translation3d(0.5 * (low + high)), 0.5 * (high - low), rgb);
+  const auto block = [&](const std::string& name, const Eigen::Vector3d& low,
+                         const Eigen::Vector3d& high, const double(&rgb)[3]) {
+    AddGeom(world, name, mjGEOM_BOX, X_WB * Eigen::Translation3d(0.5 * (low + high)),
+            0.5 * (high - low), rgb);
   };
   const double w = box.width_m, d = box.depth_m, t = box.wall_thickness_m, h = box.wall_height_m;
   const double table = -box.floor_thickness_m;
@@ -57,7 +59,8 @@ void AddBoxOnTable(mjsBody* world, const Workcell& cell) {
         {std::max(w, base.x()) + reach, std::max(d, base.y()) + reach, table}, kTable);
   const double post = base.z() - table;
   if (post <= 0) throw Error("workcell: X_WB puts the arm's base below the table under the box");
-  AddGeom(world, "pedestal", mjGEOM_CYLINDER, Eigen::Isometry3d(Eigen::Translation3d(0, 0, -post / 2)),
+  AddGeom(world, "pedestal", mjGEOM_CYLINDER,
+          Eigen::Isometry3d(Eigen::Translation3d(0, 0, -post / 2)),
           {box.pedestal_radius_m, post / 2, 0}, kDark);
 }
 
@@ -69,17 +72,20 @@ void AddTool(mjsBody* flange, const ToolSettings& tool) {
   const Eigen::Vector3d top = X_FT * Eigen::Vector3d(0, 0, -plate);  // of the plate, in F
   const double length = std::max(top.norm(), 1e-3);
   Eigen::Isometry3d X_FH = Eigen::Isometry3d::Identity();
-  X_FH.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), top / length).toRotationMatrix();
+  X_FH.linear() =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), top / length).toRotationMatrix();
   X_FH.translation() = top / 2;
   AddGeom(flange, "holder", mjGEOM_CYLINDER, X_FH, {tool.holder_radius_m, length / 2, 0}, kSteel);
-  AddGeom(flange, "camera", mjGEOM_BOX, X_FC, 0.5 * Eigen::Map<const Eigen::Vector3d>(tool.camera_body_m.data()),
-          kDark);
+  AddGeom(flange, "camera", mjGEOM_BOX, X_FC,
+          0.5 * Eigen::Map<const Eigen::Vector3d>(tool.camera_body_m.data()), kDark);
   // The bracket that carries the camera.
   const Eigen::Vector3d camera = X_FC.translation();
   Eigen::Isometry3d X_FK = Eigen::Isometry3d::Identity();
-  X_FK.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), camera).toRotationMatrix();
+  X_FK.linear() =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), camera).toRotationMatrix();
   X_FK.translation() = camera / 2;
-  AddGeom(flange, "bracket", mjGEOM_CAPSULE, X_FK, {0.008, std::max(camera.norm() / 2, 1e-3), 0}, kSteel);
+  AddGeom(flange, "bracket", mjGEOM_CAPSULE, X_FK, {0.008, std::max(camera.norm() / 2, 1e-3), 0},
+          kSteel);
   const auto site = [&](const char* name, const Eigen::Isometry3d& X) {
     mjsSite* added = mjs_addSite(flange, nullptr);
     mjs_setName(added->element, name);
@@ -105,22 +111,24 @@ void AddSand(mjSpec* spec, mjsBody* world, const Workcell& cell, const HeightMap
   std::ranges::copy(size, field->size);
   std::vector<float> rows(terrain.height_m.begin(), terrain.height_m.end());
   mjs_setFloat(field->userdata, rows.data(), static_cast<int>(rows.size()));
-  mjsGeom* geom = AddGeom(world, "sand", mjGEOM_HFIELD,
-                          cell.X_WB.ToIsometry() * Eigen::Translation3d(half_x, half_y, top - range), {0, 0, 0},
-                          kSand);
+  mjsGeom* geom = AddGeom(
+      world, "sand", mjGEOM_HFIELD,
+      cell.X_WB.ToIsometry() * Eigen::Translation3d(half_x, half_y, top - range), {0, 0, 0}, kSand);
   mjs_setString(geom->hfieldname, "sand");
 }
 
 // Daylight for pictures: one lamp over the box, a pale background.
 void AddLight(mjSpec* spec, mjsBody* world, const Workcell& cell) {
-  const Eigen::Vector3d lamp = cell.X_WB.ToIsometry() * Eigen::Vector3d(-0.3, cell.box.depth_m + 0.5, 2.5);
-  const Eigen::Vector3d aim = cell.X_WB.ToIsometry() * Eigen::Vector3d(cell.box.width_m / 2, cell.box.depth_m / 2, 0);
+  const Eigen::Vector3d lamp =
+      cell.X_WB.ToIsometry() * Eigen::Vector3d(-0.3, cell.box.depth_m + 0.5, 2.5);
+  const Eigen::Vector3d aim =
+      cell.X_WB.ToIsometry() * Eigen::Vector3d(cell.box.width_m / 2, cell.box.depth_m / 2, 0);
   mjsLight* light = mjs_addLight(world, nullptr);
   std::ranges::copy(lamp, light->pos);
   std::ranges::copy((aim - lamp).normalized(), light->dir);
   light->type = mjLIGHT_DIRECTIONAL;
-  std::ranges::fill(light->ambient, 0.20f);
-  std::ranges::fill(light->diffuse, 0.50f);
+  std::ranges::fill(light->ambient, 0.10f);
+  std::ranges::fill(light->diffuse, 0.40f);
   std::ranges::fill(light->specular, 0.1f);
   mjsTexture* sky = mjs_addTexture(spec, nullptr);
   mjs_setName(sky->element, "sky");
@@ -169,7 +177,8 @@ Eigen::Isometry3d SitePose(const mjModel& model, const mjData& data, const char*
   SAND_CHECK(id >= 0, site);
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   X.translation() = Eigen::Map<const Eigen::Vector3d>(data.site_xpos + 3 * id);
-  X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data.site_xmat + 9 * id);
+  X.linear() =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data.site_xmat + 9 * id);
   return X;
 }
 

@@ -21,9 +21,9 @@ using MujocoData = std::unique_ptr<mjData, FreeMujoco>;
 extern const char kUr10Xml[];
 
 // World frame W. qpos are the six joints. Besides ur10.xml: geoms "wall_0".."wall_3", "box_floor",
-// "table", "pedestal", "blade", "holder", "camera", "bracket" and sites "T" (blade) and "C" (camera). With a
-// terrain there is also the height field "sand" (grid points at cell centres, for pictures; nothing
-// collides with it).
+// "table", "pedestal", "blade", "holder", "camera", "bracket" and sites "T" (blade) and "C"
+// (camera). With a terrain there is also the height field "sand" (grid points at cell
+// centres, for pictures; nothing collides with it).
 MujocoModel MakeArmModel(const Workcell& workcell, const HeightMap* terrain = nullptr);
 MujocoData MakeArmData(const mjModel& model);
 

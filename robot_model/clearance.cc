@@ -16,17 +16,27 @@ const Names kUpperArm = {"upper_arm_shoulder", "upper_arm_tube", "upper_arm_elbo
 const Names kForearm = {"forearm_elbow", "forearm_tube", "forearm_wrist"};
 const Names kWrist = {"wrist_1", "wrist_2", "wrist_3"};
 const Names kHand = {"holder", "camera", "bracket"};
-const Names kSurroundings = {"wall_0", "wall_1", "wall_2", "wall_3", "box_floor", "table", "pedestal"};
+const Names kSurroundings = {"wall_0",    "wall_1", "wall_2",  "wall_3",
+                             "box_floor", "table",  "pedestal"};
 
 // Groups that can meet. Neighbours in the chain overlap by construction; camera and wrists keep
 // their distance whatever the joints, since the camera hangs below them.
 const std::vector<std::pair<Names, Names>> kMeetings = {
     {kUpperArm, {"wall_0", "wall_1", "wall_2", "wall_3", "box_floor", "table"}},
-    {kForearm, kSurroundings}, {kWrist, kSurroundings}, {kHand, kSurroundings},
+    {kForearm, kSurroundings},
+    {kWrist, kSurroundings},
+    {kHand, kSurroundings},
     {{"blade"}, {"pedestal"}},
-    {kForearm, kBase},         {kWrist, kBase},         {kHand, kBase},         {{"blade"}, kBase},
-    {kWrist, kUpperArm},       {kHand, kUpperArm},      {{"blade"}, kUpperArm},
-    {{"wrist_3"}, kForearm},   {kHand, kForearm},       {{"blade"}, kForearm},
+    {kForearm, kBase},
+    {kWrist, kBase},
+    {kHand, kBase},
+    {{"blade"}, kBase},
+    {kWrist, kUpperArm},
+    {kHand, kUpperArm},
+    {{"blade"}, kUpperArm},
+    {{"wrist_3"}, kForearm},
+    {kHand, kForearm},
+    {{"blade"}, kForearm},
 };
 
 Eigen::Map<const Eigen::Vector3d> Centre(const mjData& data, int geom) {
@@ -111,7 +121,8 @@ double ClearanceModel::Lease::AboveSand(double sand_top_m, double seen_m) const 
     if (centre.x() < -reach || centre.x() > model_.width_m_ + reach || centre.y() < -reach ||
         centre.y() > model_.depth_m_ + reach)
       continue;
-    // Half extent along B's z: a capsule is a segment of half-length size[1] plus size[0] around it.
+    // Half extent along B's z: a capsule is a segment of half-length
+    // size[1] plus size[0] around it.
     const Eigen::RowVector3d up = model_.X_BW_.linear().row(2) * Axes(*data_, geom);
     const double* size = model.geom_size + 3 * geom;
     const double half = model.geom_type[geom] == mjGEOM_CAPSULE

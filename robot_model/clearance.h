@@ -10,9 +10,9 @@
 
 namespace sandwright {
 
-// The MuJoCo model with the pairs that can meet, shared by all threads; each thread leases an mjData.
-// The blade's plate is compared with the arm and the pedestal only: walls, floor and sand are its
-// working place and checked by its path.
+// The MuJoCo model with the pairs that can meet, shared by all threads; each thread leases an
+// mjData. The blade's plate is compared with the arm and the pedestal only: walls, floor and sand
+// are its working place and checked by its path.
 class ClearanceModel {
  public:
   explicit ClearanceModel(const Workcell& workcell);

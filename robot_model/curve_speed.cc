@@ -10,7 +10,9 @@ namespace {
 
 constexpr int kPoints = 400;
 
-double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 // c0 + c1 t + c2 t^2 + c3 t^3 in the plane; c0 does not matter here.
 struct PlaneCurve {
@@ -19,7 +21,8 @@ struct PlaneCurve {
     if (points.size() == 3) {
       c1 = 2 * (p(1) - p(0)), c2 = p(2) - 2 * p(1) + p(0), c3.setZero();
     } else {
-      c1 = 3 * (p(1) - p(0)), c2 = 3 * (p(2) - 2 * p(1) + p(0)), c3 = p(3) - 3 * p(2) + 3 * p(1) - p(0);
+      c1 = 3 * (p(1) - p(0)), c2 = 3 * (p(2) - 2 * p(1) + p(0)),
+      c3 = p(3) - 3 * p(2) + 3 * p(1) - p(0);
     }
   }
   Eigen::Vector2d c1, c2, c3;
@@ -42,18 +45,23 @@ double CurveSpeed(const Stroke& stroke, const MotionSettings& settings) {
     const Eigen::Vector2d d1 = curve.c1 + t * (2 * curve.c2 + 3 * t * curve.c3);
     const Eigen::Vector2d d2 = 2 * curve.c2 + 6 * t * curve.c3, d3 = 6 * curve.c3;
     const double speed2 = std::max(d1.squaredNorm(), 1e-18), speed = std::sqrt(speed2);
-    const double bend = Cross(d1, d2) / (speed2 * speed);  // curvature, and its derivative by length:
-    const double bend_s = (Cross(d1, d3) / (speed2 * speed) - 3 * bend * d1.dot(d2) / speed2) / speed;
+    const double bend =
+        Cross(d1, d2) / (speed2 * speed);  // curvature, and its derivative by length:
+    const double bend_s =
+        (Cross(d1, d3) / (speed2 * speed) - 3 * bend * d1.dot(d2) / speed2) / speed;
     const double stretch2 = 1 + scale * scale * bend * bend;  // (d sigma / ds)^2
     // yaw' = bend / sqrt(stretch2) by sigma; differentiated once more:
     const double second = bend_s / (stretch2 * stretch2);
     second_peak = std::max(second_peak, std::abs(second));
     if (k > 0)
-      third_peak = std::max(third_peak, std::abs(second - second_before) * kPoints / (speed * std::sqrt(stretch2)));
+      third_peak = std::max(
+          third_peak, std::abs(second - second_before) * kPoints / (speed * std::sqrt(stretch2)));
     second_before = second;
   }
-  const double acceleration = settings.turn_acceleration_radps2, jerk = acceleration / settings.smoothing_s;
-  return std::min({stroke.speed_mps, std::sqrt(acceleration / second_peak), std::cbrt(jerk / third_peak)});
+  const double acceleration = settings.turn_acceleration_radps2,
+               jerk = acceleration / settings.smoothing_s;
+  return std::min(
+      {stroke.speed_mps, std::sqrt(acceleration / second_peak), std::cbrt(jerk / third_peak)});
 }
 
 }  // namespace sandwright

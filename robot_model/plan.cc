@@ -25,21 +25,25 @@ std::string StrokesText(const std::vector<Stroke>& strokes) {
 }
 
 std::string SealOver(const std::vector<Stroke>& strokes, const PlanSeal& seal) {
-  return Sha256Hex(StrokesText(strokes) + seal.blade + seal.workcell + seal.calibration + seal.terrain);
+  return Sha256Hex(StrokesText(strokes) + seal.blade + seal.workcell + seal.calibration +
+                   seal.terrain);
 }
 
 }  // namespace
 
 std::string TerrainHash(const HeightMap& terrain) {
-  std::string bytes = fmt::format("{} {} {} {} ", terrain.rows, terrain.columns, terrain.cell_size_m,
-                                  terrain.datum == Datum::kFloor ? "floor" : "relative");
+  std::string bytes =
+      fmt::format("{} {} {} {} ", terrain.rows, terrain.columns, terrain.cell_size_m,
+                  terrain.datum == Datum::kFloor ? "floor" : "relative");
   bytes.append(reinterpret_cast<const char*>(terrain.height_m.data()),
                terrain.height_m.size() * sizeof(float));
   return Sha256Hex(bytes);
 }
 
-PlanSeal MakeSeal(const std::vector<Stroke>& strokes, const Workcell& workcell, const HeightMap& terrain) {
-  PlanSeal seal{BladeHash(workcell), WorkcellHash(workcell), CalibrationHash(workcell), TerrainHash(terrain), ""};
+PlanSeal MakeSeal(const std::vector<Stroke>& strokes, const Workcell& workcell,
+                  const HeightMap& terrain) {
+  PlanSeal seal{BladeHash(workcell), WorkcellHash(workcell), CalibrationHash(workcell),
+                TerrainHash(terrain), ""};
   seal.seal = SealOver(strokes, seal);
   return seal;
 }
@@ -49,9 +53,10 @@ Plan ReadPlan(const std::filesystem::path& file) {
   const YAML::Node root = YAML::LoadFile(file.string());
   if (!root["seal"]) return plan;
   PlanSeal seal;
-  for (const auto& [key, value] : {std::pair{"blade_hash", &seal.blade}, std::pair{"workcell_hash", &seal.workcell},
-                                   std::pair{"calibration_hash", &seal.calibration},
-                                   std::pair{"terrain_hash", &seal.terrain}, std::pair{"seal", &seal.seal}}) {
+  for (const auto& [key, value] :
+       {std::pair{"blade_hash", &seal.blade}, std::pair{"workcell_hash", &seal.workcell},
+        std::pair{"calibration_hash", &seal.calibration}, std::pair{"terrain_hash", &seal.terrain},
+        std::pair{"seal", &seal.seal}}) {
     if (!root[key] || !root[key].IsScalar())
       throw Error(fmt::format("{}: the plan is sealed but has no {}", file.string(), key));
     *value = root[key].Scalar();
@@ -64,9 +69,10 @@ void WritePlan(const Plan& plan, const std::filesystem::path& file) {
   std::string text = "schema: sandwright-plan\nschema_version: 1\nframe: box\n";
   if (plan.seal) {
     text += "# Written by `sandwright check --seal`; after an edit the plan must be sealed anew.\n";
-    text += fmt::format("blade_hash: {}\nworkcell_hash: {}\ncalibration_hash: {}\nterrain_hash: {}\nseal: {}\n",
-                        plan.seal->blade, plan.seal->workcell, plan.seal->calibration, plan.seal->terrain,
-                        plan.seal->seal);
+    text += fmt::format(
+        "blade_hash: {}\nworkcell_hash: {}\ncalibration_hash: {}\nterrain_hash: {}\nseal: {}\n",
+        plan.seal->blade, plan.seal->workcell, plan.seal->calibration, plan.seal->terrain,
+        plan.seal->seal);
   }
   text += plan.strokes.empty() ? "strokes: []\n" : "strokes:\n" + StrokesText(plan.strokes);
   WriteFileAtomically(file, text);
@@ -80,8 +86,8 @@ void CheckSeal(const Plan& plan, const Workcell& workcell, const HeightMap& terr
   std::vector<std::string> reasons;
   const auto compare = [&](const char* what, const std::string& of_plan, const std::string& now) {
     if (of_plan != now)
-      reasons.push_back(fmt::format("made for another {}: {}..., now {}...", what, of_plan.substr(0, 12),
-                                    now.substr(0, 12)));
+      reasons.push_back(fmt::format("made for another {}: {}..., now {}...", what,
+                                    of_plan.substr(0, 12), now.substr(0, 12)));
   };
   compare("blade", seal.blade, BladeHash(workcell));
   compare("workcell", seal.workcell, WorkcellHash(workcell));
@@ -92,7 +98,8 @@ void CheckSeal(const Plan& plan, const Workcell& workcell, const HeightMap& terr
   if (!reasons.empty()) throw Error(source, reasons);
 }
 
-PlanVerdict CheckPlan(const SafetyGate& gate, const std::vector<Stroke>& strokes, const HeightMap& terrain) {
+PlanVerdict CheckPlan(const SafetyGate& gate, const std::vector<Stroke>& strokes,
+                      const HeightMap& terrain) {
   PlanVerdict verdict;
   JointAngles at = gate.workcell().home();
   const auto transfer = [&](const JointAngles& to, const std::string& name) {
@@ -101,8 +108,8 @@ PlanVerdict CheckPlan(const SafetyGate& gate, const std::vector<Stroke>& strokes
       verdict.reasons.push_back(name + ": " + reason);
   };
   for (size_t i = 0; i < strokes.size(); ++i) {
-    const GateVerdict& stroke = verdict.strokes.emplace_back(
-        gate.Check(strokes[i], terrain, GateSampling::kFine, at));
+    const GateVerdict& stroke =
+        verdict.strokes.emplace_back(gate.Check(strokes[i], terrain, GateSampling::kFine, at));
     for (const std::string& reason : stroke.reasons)
       verdict.reasons.push_back(fmt::format("stroke {}: {}", i, reason));
     if (!stroke.motion) continue;

@@ -1,4 +1,5 @@
-// How fast a piece of path is travelled: from rest to rest, with bounded speed, acceleration and jerk.
+// How fast a piece of path is travelled: from rest to rest, with
+// bounded speed, acceleration and jerk.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +9,9 @@
 
 namespace sandwright {
 
-// Trapezoid of speed, averaged over a sliding window: the average ramps the acceleration up and down,
-// so the jerk is at most 2 acceleration / smoothing_s. Lengths in m (or rad, or any path parameter).
+// Trapezoid of speed, averaged over a sliding window: the average ramps the
+// acceleration up and down, so the jerk is at most 2 acceleration / smoothing_s.
+// Lengths in m (or rad, or any path parameter).
 class RestToRest {
  public:
   RestToRest(double length, double speed, double acceleration, double smoothing_s)

@@ -9,6 +9,7 @@
 #include "data/base/error.h"
 #include "robot_model/clearance.h"
 #include "robot_model/curve_speed.h"
+#include "robot_model/gate_figures.h"
 
 namespace sandwright {
 namespace {
@@ -26,56 +27,6 @@ constexpr double kFineLook_rad = 0.02;
 constexpr double kFootprintStep_m = 0.005, kFootprintTurn_rad = 0.1;
 // The terrain around a stroke over which hand and links may pass.
 constexpr double kHandReach_m = 0.25;
-
-// The limits with the margins that apply.
-struct Limits {
-  Limits(const MotionLimits& l, double extra_clearance_m, double extra_singular, double extra_position_rad,
-         double rates)
-      : clearance_m(l.clearance_m + extra_clearance_m),
-        singular_value(l.min_singular_value + extra_singular),
-        acceleration(l.joint_acceleration_radps2 * l.share_of_acceleration / rates),
-        jerk(l.joint_jerk_radps3 * l.share_of_acceleration / rates) {
-    for (size_t i = 0; i < 6; ++i) {
-      const auto joint = static_cast<Eigen::Index>(i);
-      position[joint] = l.joint_position_rad[i] - l.position_margin_rad - extra_position_rad;
-      rated_speed[joint] = l.joint_speed_radps[i];
-      speed[joint] = l.joint_speed_radps[i] * l.share_of_speed / rates;
-    }
-  }
-  double clearance_m, singular_value, acceleration, jerk;
-  Vector6 position, rated_speed, speed;
-};
-
-// What one way of moving the arm comes to.
-struct ArmFigures {
-  explicit ArmFigures(double seen_m) : min_clearance_m(seen_m) {}
-  std::vector<std::string> reasons;
-  double peak_speed_share = 0, min_clearance_m;
-  double min_singular_value = std::numeric_limits<double>::infinity(), duration_s = 0;
-};
-
-// The worst of each joint quantity so far, and the reasons that follow from it.
-struct JointPeaks {
-  Vector6 position = Vector6::Zero(), speed = Vector6::Zero(), acceleration = Vector6::Zero(),
-          jerk = Vector6::Zero();
-
-  static void Raise(Vector6& peak, const Vector6& value) { peak = peak.cwiseMax(value.cwiseAbs()); }
-
-  void Report(const Limits& limits, ArmFigures& figures) const {
-    figures.peak_speed_share = (speed.cwiseQuotient(limits.rated_speed)).maxCoeff();
-    for (int i = 0; i < 6; ++i) {
-      const auto over = [&](const char* what, double value, double limit, const char* unit) {
-        if (!(value <= limit))
-          figures.reasons.push_back(
-              fmt::format("joint {} {} {:.3f} {}; limit {:.3f}", i + 1, what, value, unit, limit));
-      };
-      over("position", position[i], limits.position[i], "rad");
-      over("speed", speed[i], limits.speed[i], "rad/s");
-      over("acceleration", acceleration[i], limits.acceleration, "rad/s^2");
-      over("jerk", jerk[i], limits.jerk, "rad/s^3");
-    }
-  }
-};
 
 struct Candidate {
   Branch branch;
@@ -95,39 +46,48 @@ struct SafetyGate::Impl {
         kinematics(workcell),
         clearance(workcell),
         fine(workcell.limits, 0, 0, 0, 1),
-        coarse(workcell.limits, kCoarseClearance_m, kCoarseSingular, kCoarsePosition_rad, kCoarseRates) {}
+        coarse(workcell.limits, kCoarseClearance_m, kCoarseSingular, kCoarsePosition_rad,
+               kCoarseRates) {}
 
   void CheckTerrain(const HeightMap& terrain, std::vector<std::string>& reasons) const;
   void CheckShape(const Stroke& stroke, std::vector<std::string>& reasons) const;
-  void CheckBlade(const ToolPath& path, const HeightMap& terrain, std::vector<std::string>& reasons) const;
+  void CheckBlade(const ToolPath& path, const HeightMap& terrain,
+                  std::vector<std::string>& reasons) const;
   double SandTop(const ToolPath& path, const HeightMap& terrain) const;
   std::vector<Candidate> Candidates(const BladePose& start, const JointAngles& near) const;
-  void LookAt(const JointAngles& q, double sand_top_m, const Limits& limits, ClearanceModel::Lease& lease,
-              ArmFigures& figures) const;
-  ArmFigures TryCoarse(const std::vector<PathPiece>& pieces, const Candidate& candidate, const JointAngles& near,
-                       double sand_top_m, ClearanceModel::Lease& lease) const;
-  ArmFigures TryFine(std::span<const JointAngles> knots, double sand_top_m, ClearanceModel::Lease& lease) const;
-  void CheckArm(const Stroke& stroke, double sand_top_m, GateSampling sampling, const JointAngles& near,
-                GateVerdict& verdict) const;
+  void LookAt(const JointAngles& q, double sand_top_m, const GateLimits& limits,
+              ClearanceModel::Lease& lease, ArmFigures& figures) const;
+  ArmFigures TryCoarse(const std::vector<PathPiece>& pieces, const Candidate& candidate,
+                       const JointAngles& near, double sand_top_m,
+                       ClearanceModel::Lease& lease) const;
+  ArmFigures TryFine(std::span<const JointAngles> knots, double sand_top_m,
+                     ClearanceModel::Lease& lease) const;
+  void CheckArm(const Stroke& stroke, double sand_top_m, GateSampling sampling,
+                const JointAngles& near, GateVerdict& verdict) const;
 
   Workcell cell;
   BladeKinematics kinematics;
   ClearanceModel clearance;
-  Limits fine, coarse;
+  GateLimits fine, coarse;
 };
 
-void SafetyGate::Impl::CheckTerrain(const HeightMap& terrain, std::vector<std::string>& reasons) const {
+void SafetyGate::Impl::CheckTerrain(const HeightMap& terrain,
+                                    std::vector<std::string>& reasons) const {
   if (terrain.datum != Datum::kFloor)
-    reasons.push_back("terrain: datum is relative; the gate needs heights above the box floor (floor)");
-  if (std::abs(terrain.width_m() - cell.box.width_m) > 1e-6 || std::abs(terrain.depth_m() - cell.box.depth_m) > 1e-6)
-    reasons.push_back(fmt::format("terrain: {:.3f} x {:.3f} m; the box of the workcell is {:.3f} x {:.3f} m",
-                                  terrain.width_m(), terrain.depth_m(), cell.box.width_m, cell.box.depth_m));
+    reasons.push_back(
+        "terrain: datum is relative; the gate needs heights above the box floor (floor)");
+  if (std::abs(terrain.width_m() - cell.box.width_m) > 1e-6 ||
+      std::abs(terrain.depth_m() - cell.box.depth_m) > 1e-6)
+    reasons.push_back(
+        fmt::format("terrain: {:.3f} x {:.3f} m; the box of the workcell is {:.3f} x {:.3f} m",
+                    terrain.width_m(), terrain.depth_m(), cell.box.width_m, cell.box.depth_m));
 }
 
 void SafetyGate::Impl::CheckShape(const Stroke& stroke, std::vector<std::string>& reasons) const {
   const MotionLimits& limits = cell.limits;
   Eigen::Vector3d low = stroke.control_points_m.front(), high = low;
-  for (const Eigen::Vector3d& point : stroke.control_points_m) low = low.cwiseMin(point), high = high.cwiseMax(point);
+  for (const Eigen::Vector3d& point : stroke.control_points_m)
+    low = low.cwiseMin(point), high = high.cwiseMax(point);
   for (int axis = 0; axis < 3; ++axis) {
     const double extent = (high - low)[axis];
     if (extent > limits.max_extent_m)
@@ -137,8 +97,9 @@ void SafetyGate::Impl::CheckShape(const Stroke& stroke, std::vector<std::string>
   if (stroke.degree == 2 && stroke.control_points_m.size() > 2) {
     const double share = CurveSpeed(stroke, cell.motion) / stroke.speed_mps;
     if (share < limits.min_curve_speed_share)
-      reasons.push_back(fmt::format("curve bends so abruptly that it must slow to {:.3f} of its speed; needs {:.3f}",
-                                    share, limits.min_curve_speed_share));
+      reasons.push_back(fmt::format(
+          "curve bends so abruptly that it must slow to {:.3f} of its speed; needs {:.3f}", share,
+          limits.min_curve_speed_share));
   }
   const double fastest = limits.tcp_speed_mps * limits.share_of_speed;
   if (stroke.speed_mps > fastest)
@@ -162,13 +123,14 @@ void SafetyGate::Impl::CheckBlade(const ToolPath& path, const HeightMap& terrain
     const double c = std::abs(std::cos(p.yaw_rad)), s = std::abs(std::sin(p.yaw_rad));
     const double half_x = 0.5 * (blade.thickness_m * c + blade.width_m * s);
     const double half_y = 0.5 * (blade.thickness_m * s + blade.width_m * c);
-    const double distance = std::min({p.x_m - half_x, cell.box.width_m - p.x_m - half_x, p.y_m - half_y,
-                                      cell.box.depth_m - p.y_m - half_y});
+    const double distance = std::min({p.x_m - half_x, cell.box.width_m - p.x_m - half_x,
+                                      p.y_m - half_y, cell.box.depth_m - p.y_m - half_y});
     if (distance < wall) wall = distance, wall_at = p;
     if (p.z_m < lowest) lowest = p.z_m, lowest_at = p;
     for (int k = -2; k <= 2; ++k) {
       const double across = 0.25 * k * blade.width_m;
-      const double sand = HeightAt(terrain, p.x_m - across * std::sin(p.yaw_rad), p.y_m + across * std::cos(p.yaw_rad));
+      const double sand = HeightAt(terrain, p.x_m - across * std::sin(p.yaw_rad),
+                                   p.y_m + across * std::cos(p.yaw_rad));
       if (!std::isfinite(sand)) {
         reasons.push_back("terrain: a height under the blade is not finite, at " + Where(p));
         return;
@@ -177,18 +139,19 @@ void SafetyGate::Impl::CheckBlade(const ToolPath& path, const HeightMap& terrain
     }
   }
   if (radius < limits.min_bend_radius_m)
-    reasons.push_back(fmt::format("curve bends with a radius of {:.1f} mm at {}; needs {:.1f} mm", radius * 1e3,
-                                  Where(radius_at), limits.min_bend_radius_m * 1e3));
+    reasons.push_back(fmt::format("curve bends with a radius of {:.1f} mm at {}; needs {:.1f} mm",
+                                  radius * 1e3, Where(radius_at), limits.min_bend_radius_m * 1e3));
   if (wall < limits.wall_margin_m)
-    reasons.push_back(fmt::format("blade {:.1f} mm {} the box wall at {}; needs {:.1f} mm inside", std::abs(wall) * 1e3,
-                                  wall < 0 ? "beyond" : "inside", Where(wall_at), limits.wall_margin_m * 1e3));
+    reasons.push_back(fmt::format("blade {:.1f} mm {} the box wall at {}; needs {:.1f} mm inside",
+                                  std::abs(wall) * 1e3, wall < 0 ? "beyond" : "inside",
+                                  Where(wall_at), limits.wall_margin_m * 1e3));
   if (lowest < limits.floor_margin_m)
     reasons.push_back(fmt::format("blade {:.1f} mm {} the box floor at {}; needs {:.1f} mm above",
-                                  std::abs(lowest) * 1e3, lowest < 0 ? "below" : "above", Where(lowest_at),
-                                  limits.floor_margin_m * 1e3));
+                                  std::abs(lowest) * 1e3, lowest < 0 ? "below" : "above",
+                                  Where(lowest_at), limits.floor_margin_m * 1e3));
   if (cut > limits.max_cut_m)
-    reasons.push_back(fmt::format("blade {:.1f} mm deep in the sand at {}; limit {:.1f} mm", cut * 1e3,
-                                  Where(cut_at), limits.max_cut_m * 1e3));
+    reasons.push_back(fmt::format("blade {:.1f} mm deep in the sand at {}; limit {:.1f} mm",
+                                  cut * 1e3, Where(cut_at), limits.max_cut_m * 1e3));
 }
 
 double SafetyGate::Impl::SandTop(const ToolPath& path, const HeightMap& terrain) const {
@@ -200,8 +163,10 @@ double SafetyGate::Impl::SandTop(const ToolPath& path, const HeightMap& terrain)
   const auto index = [&](double value, int count) {
     return static_cast<int>(std::clamp(value / terrain.cell_size_m, 0.0, count - 1.0));
   };
-  const int i0 = index(x0 - kHandReach_m, terrain.columns), i1 = index(x1 + kHandReach_m, terrain.columns);
-  const int j0 = index(y0 - kHandReach_m, terrain.rows), j1 = index(y1 + kHandReach_m, terrain.rows);
+  const int i0 = index(x0 - kHandReach_m, terrain.columns),
+            i1 = index(x1 + kHandReach_m, terrain.columns);
+  const int j0 = index(y0 - kHandReach_m, terrain.rows),
+            j1 = index(y1 + kHandReach_m, terrain.rows);
   float top = 0;
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) top = std::max(top, terrain.At(j, i));
@@ -209,7 +174,8 @@ double SafetyGate::Impl::SandTop(const ToolPath& path, const HeightMap& terrain)
 }
 
 // Nearest first, so that the arm changes its configuration only where it must.
-std::vector<Candidate> SafetyGate::Impl::Candidates(const BladePose& start, const JointAngles& near) const {
+std::vector<Candidate> SafetyGate::Impl::Candidates(const BladePose& start,
+                                                    const JointAngles& near) const {
   std::vector<Candidate> candidates;
   for (Branch branch = 0; branch < kBranches; ++branch) {
     for (const bool flipped : {false, true}) {
@@ -222,28 +188,31 @@ std::vector<Candidate> SafetyGate::Impl::Candidates(const BladePose& start, cons
   return candidates;
 }
 
-void SafetyGate::Impl::LookAt(const JointAngles& q, double sand_top_m, const Limits& limits,
+void SafetyGate::Impl::LookAt(const JointAngles& q, double sand_top_m, const GateLimits& limits,
                               ClearanceModel::Lease& lease, ArmFigures& figures) const {
   const double singular = SmallestSingularValue(kinematics.arm().Jacobian(q));
   figures.min_singular_value = std::min(figures.min_singular_value, singular);
   const auto nearest = lease.At(q, figures.min_clearance_m);
   if (nearest.distance_m < limits.clearance_m && figures.min_clearance_m >= limits.clearance_m)
-    figures.reasons.push_back(fmt::format("{} come within {:.1f} mm or less; needs {:.1f} mm", nearest.between,
-                                          nearest.distance_m * 1e3, limits.clearance_m * 1e3));
+    figures.reasons.push_back(fmt::format("{} come within {:.1f} mm or less; needs {:.1f} mm",
+                                          nearest.between, nearest.distance_m * 1e3,
+                                          limits.clearance_m * 1e3));
   const double above = lease.AboveSand(sand_top_m, figures.min_clearance_m);
   if (above < limits.clearance_m && figures.min_clearance_m >= limits.clearance_m)
-    figures.reasons.push_back(fmt::format("arm or camera {:.1f} mm above the sand's top or less; needs {:.1f} mm",
-                                          above * 1e3, limits.clearance_m * 1e3));
+    figures.reasons.push_back(
+        fmt::format("arm or camera {:.1f} mm above the sand's top or less; needs {:.1f} mm",
+                    above * 1e3, limits.clearance_m * 1e3));
   figures.min_clearance_m = std::min({figures.min_clearance_m, nearest.distance_m, above});
 }
 
-ArmFigures SafetyGate::Impl::TryCoarse(const std::vector<PathPiece>& pieces, const Candidate& candidate,
-                                       const JointAngles& near, double sand_top_m,
-                                       ClearanceModel::Lease& lease) const {
+ArmFigures SafetyGate::Impl::TryCoarse(const std::vector<PathPiece>& pieces,
+                                       const Candidate& candidate, const JointAngles& near,
+                                       double sand_top_m, ClearanceModel::Lease& lease) const {
   ArmFigures figures(coarse.clearance_m + kCoarseSeen_m);
   JointPeaks peaks;
   const auto fail = [&](const BladePose& pose) {
-    figures.reasons.push_back(fmt::format("branch {} does not reach {}", candidate.branch, Where(pose)));
+    figures.reasons.push_back(
+        fmt::format("branch {} does not reach {}", candidate.branch, Where(pose)));
     return figures;
   };
   const BladePose start = pieces.front().At(0);
@@ -253,13 +222,15 @@ ArmFigures SafetyGate::Impl::TryCoarse(const std::vector<PathPiece>& pieces, con
   for (const PathPiece& piece : pieces) {
     figures.duration_s += piece.timing.duration_s();
     const bool turn = piece.kind == PathPiece::Kind::kTurn;
-    const bool vertical = piece.kind == PathPiece::Kind::kDown || piece.kind == PathPiece::Kind::kUp;
+    const bool vertical =
+        piece.kind == PathPiece::Kind::kDown || piece.kind == PathPiece::Kind::kUp;
     const double step_m = vertical ? kCoarseVerticalStep_m : kCoarseStep_m;
     const double turned = std::abs(piece.poses.back().yaw_rad - piece.poses.front().yaw_rad);
     const int steps = std::max({1, static_cast<int>(std::ceil(turned / kCoarseTurn_rad)),
                                 turn ? 1 : static_cast<int>(std::ceil(piece.length() / step_m))});
     const double step = piece.length() / steps, v = piece.timing.speed();
-    const double a = turn ? cell.motion.turn_acceleration_radps2 : cell.motion.path_acceleration_mps2;
+    const double a =
+        turn ? cell.motion.turn_acceleration_radps2 : cell.motion.path_acceleration_mps2;
     const double j = 2 * a / cell.motion.smoothing_s;
     Vector6 slope_before;
     for (int k = 1; k <= steps && figures.reasons.empty(); ++k) {
@@ -268,7 +239,8 @@ ArmFigures SafetyGate::Impl::TryCoarse(const std::vector<PathPiece>& pieces, con
       if (!next) return fail(pose);
       // dq/dt = q' s', d2q/dt2 = q' s'' + q'' s'^2 and so on, with differences for q' and q''.
       const Vector6 slope = (next->rad - q->rad) / step;
-      const Vector6 bend = k > 1 ? Vector6((slope - slope_before) / step) : Vector6(Vector6::Zero());
+      const Vector6 bend =
+          k > 1 ? Vector6((slope - slope_before) / step) : Vector6(Vector6::Zero());
       JointPeaks::Raise(peaks.position, next->rad);
       JointPeaks::Raise(peaks.speed, slope * v);
       JointPeaks::Raise(peaks.acceleration, slope.cwiseAbs() * a + bend.cwiseAbs() * v * v);
@@ -280,8 +252,9 @@ ArmFigures SafetyGate::Impl::TryCoarse(const std::vector<PathPiece>& pieces, con
   }
   peaks.Report(coarse, figures);
   if (figures.min_singular_value < coarse.singular_value)
-    figures.reasons.push_back(fmt::format("near a singularity: smallest singular value {:.4f}; needs {:.4f}",
-                                          figures.min_singular_value, coarse.singular_value));
+    figures.reasons.push_back(
+        fmt::format("near a singularity: smallest singular value {:.4f}; needs {:.4f}",
+                    figures.min_singular_value, coarse.singular_value));
   return figures;
 }
 
@@ -298,16 +271,19 @@ ArmFigures SafetyGate::Impl::TryFine(std::span<const JointAngles> knots, double 
     JointPeaks::Raise(peaks.position, at(i));
     JointPeaks::Raise(peaks.speed, (at(i) - at(i - 1)) / dt);
     JointPeaks::Raise(peaks.acceleration, (at(i) - 2 * at(i - 1) + at(i - 2)) / (dt * dt));
-    JointPeaks::Raise(peaks.jerk, (at(i) - 3 * at(i - 1) + 3 * at(i - 2) - at(i - 3)) / (dt * dt * dt));
-    if (looked < 0 || i == std::ssize(knots) - 1 || (at(i) - at(looked)).cwiseAbs().maxCoeff() > kFineLook_rad) {
+    JointPeaks::Raise(peaks.jerk,
+                      (at(i) - 3 * at(i - 1) + 3 * at(i - 2) - at(i - 3)) / (dt * dt * dt));
+    if (looked < 0 || i == std::ssize(knots) - 1 ||
+        (at(i) - at(looked)).cwiseAbs().maxCoeff() > kFineLook_rad) {
       LookAt({at(i)}, sand_top_m, fine, lease, figures);
       looked = i;
     }
   }
   peaks.Report(fine, figures);
   if (figures.min_singular_value < fine.singular_value)
-    figures.reasons.push_back(fmt::format("near a singularity: smallest singular value {:.4f}; needs {:.4f}",
-                                          figures.min_singular_value, fine.singular_value));
+    figures.reasons.push_back(
+        fmt::format("near a singularity: smallest singular value {:.4f}; needs {:.4f}",
+                    figures.min_singular_value, fine.singular_value));
   figures.duration_s = static_cast<double>(knots.size() - 1) * dt;
   return figures;
 }
@@ -315,13 +291,14 @@ ArmFigures SafetyGate::Impl::TryFine(std::span<const JointAngles> knots, double 
 void SafetyGate::Impl::CheckArm(const Stroke& stroke, double sand_top_m, GateSampling sampling,
                                 const JointAngles& near, GateVerdict& verdict) const {
   const bool is_fine = sampling == GateSampling::kFine;
-  const auto pieces = StrokePieces(stroke, cell.motion, is_fine ? CurveSampling::kFine : CurveSampling::kCoarse);
+  const auto pieces =
+      StrokePieces(stroke, cell.motion, is_fine ? CurveSampling::kFine : CurveSampling::kCoarse);
   const BladePose start = pieces.front().At(0);
   const auto candidates = Candidates(start, near);
   if (candidates.empty()) {
     const Eigen::Vector3d flange = kinematics.FlangePose(start, false).translation();
-    verdict.reasons.push_back(fmt::format("out of reach: {}, flange {:.3f} m from the base's axis", Where(start),
-                                          flange.head<2>().norm()));
+    verdict.reasons.push_back(fmt::format("out of reach: {}, flange {:.3f} m from the base's axis",
+                                          Where(start), flange.head<2>().norm()));
     return;
   }
   ClearanceModel::Lease lease(clearance);
@@ -350,10 +327,12 @@ void SafetyGate::Impl::CheckArm(const Stroke& stroke, double sand_top_m, GateSam
   verdict.duration_s = best->duration_s;
   verdict.peak_joint_speed_share = best->peak_speed_share;
   verdict.min_clearance_m = best->min_clearance_m;
-  verdict.min_singular_value = std::isfinite(best->min_singular_value) ? best->min_singular_value : 0;
+  verdict.min_singular_value =
+      std::isfinite(best->min_singular_value) ? best->min_singular_value : 0;
   const double longest = cell.limits.max_duration_s / (is_fine ? 1 : kCoarseDuration);
   if (verdict.duration_s > longest)
-    verdict.reasons.push_back(fmt::format("takes {:.1f} s; limit {:.1f} s", verdict.duration_s, longest));
+    verdict.reasons.push_back(
+        fmt::format("takes {:.1f} s; limit {:.1f} s", verdict.duration_s, longest));
 }
 
 SafetyGate::SafetyGate(const Workcell& workcell) {

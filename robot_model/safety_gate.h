@@ -15,8 +15,9 @@
 namespace sandwright {
 
 enum class GateSampling {
-  kCoarse,  // inside training: a few poses a stroke and wider margins; stops at the first fault of the arm
-  kFine,    // before an arm: the whole motion at 125 Hz, every reason
+  // Inside training: a few poses a stroke and wider margins; stops at the arm's first fault.
+  kCoarse,
+  kFine,  // before an arm: the whole motion at 125 Hz, every reason
 };
 
 struct GateVerdict {
@@ -24,9 +25,9 @@ struct GateVerdict {
   std::vector<std::string> reasons;   // empty where accepted; each with figure and limit
   double duration_s = 0;              // entry to exit, without the transfer
   double peak_joint_speed_share = 0;  // of the joints' rated speed, 0..1
-  double min_clearance_m = 0;         // links to walls, table, sand and each other, as far as looked
-  double min_singular_value = 0;      // of the flange Jacobian
-  int branch = -1;                    // -1: none reaches the stroke
+  double min_clearance_m = 0;     // links to walls, table, sand and each other, as far as looked
+  double min_singular_value = 0;  // of the flange Jacobian
+  int branch = -1;                // -1: none reaches the stroke
   std::optional<StrokeMotion> motion;  // accepted, fine sampling only
 };
 
@@ -37,12 +38,13 @@ struct TransferVerdict {
   std::vector<JointAngles> knots;  // accepted only: of StrokeMotion::kPeriod_s, both ends included
 };
 
-// Rejects a stroke whole, with its reasons; never changes one. What the coarse sampling accepts, the
-// fine one accepts too. Immutable; any number of threads may Check() at once: distances are computed
-// on one mjData a thread out of a pool (about 100 kB each, made on first use).
+// Rejects a stroke whole, with its reasons; never changes one. What the coarse sampling accepts,
+// the fine one accepts too. Immutable; any number of threads may Check() at once: distances are
+// computed on one mjData a thread out of a pool (about 100 kB each, made on first use).
 class SafetyGate {
  public:
-  // Distances are measured up to this in the fine sampling, little beyond the margin in the coarse one.
+  // Distances are measured up to this in the fine sampling, little
+  // beyond the margin in the coarse one.
   static constexpr double kClearanceSeen_m = 0.2;
 
   explicit SafetyGate(const Workcell& workcell);

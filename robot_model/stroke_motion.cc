@@ -10,8 +10,8 @@ namespace sandwright {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Spacing of a curve's poses. Far below one controller period of travel (0.8 mm), so that the corners
-// between them do not show as jerk.
+// Spacing of a curve's poses. Far below one controller period of travel (0.8 mm), so that
+// the corners between them do not show as jerk.
 constexpr double kFineStep_m = 0.05e-3, kFineTurn_rad = 0.0025;
 constexpr double kCoarseStep_m = 5e-3, kCoarseTurn_rad = 0.1;
 
@@ -19,14 +19,16 @@ double Distance(const BladePose& a, const BladePose& b) {
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m, a.z_m - b.z_m);
 }
 
-PathPiece LinearPiece(PathPiece::Kind kind, const BladePose& from, const BladePose& to, double speed,
-                      double acceleration, const MotionSettings& settings) {
+PathPiece LinearPiece(PathPiece::Kind kind, const BladePose& from, const BladePose& to,
+                      double speed, double acceleration, const MotionSettings& settings) {
   const double length =
       kind == PathPiece::Kind::kTurn ? std::abs(to.yaw_rad - from.yaw_rad) : Distance(from, to);
-  return {kind, {from, to}, {0, length}, RestToRest(length, speed, acceleration, settings.smoothing_s)};
+  return {
+      kind, {from, to}, {0, length}, RestToRest(length, speed, acceleration, settings.smoothing_s)};
 }
 
-void AppendPolyline(const Stroke& stroke, const MotionSettings& settings, std::vector<PathPiece>& pieces) {
+void AppendPolyline(const Stroke& stroke, const MotionSettings& settings,
+                    std::vector<PathPiece>& pieces) {
   const auto& points = stroke.control_points_m;
   double yaw = 0;
   for (size_t i = 0; i + 1 < points.size(); ++i) {
@@ -48,20 +50,24 @@ void AppendPolyline(const Stroke& stroke, const MotionSettings& settings, std::v
 
 PathPiece CurvePiece(const Stroke& stroke, const MotionSettings& settings, CurveSampling sampling) {
   const double metres_per_rad = MetresPerRadian(stroke, settings);
-  ToolPath poses = sampling == CurveSampling::kFine ? SamplePath(stroke, kFineStep_m, kFineTurn_rad)
-                                                    : SamplePath(stroke, kCoarseStep_m, kCoarseTurn_rad);
+  ToolPath poses = sampling == CurveSampling::kFine
+                       ? SamplePath(stroke, kFineStep_m, kFineTurn_rad)
+                       : SamplePath(stroke, kCoarseStep_m, kCoarseTurn_rad);
   std::vector<double> sigma = {0};
   for (size_t i = 1; i < poses.size(); ++i)
-    sigma.push_back(sigma.back() + std::hypot(Distance(poses[i - 1], poses[i]),
-                                              metres_per_rad * (poses[i].yaw_rad - poses[i - 1].yaw_rad)));
-  const RestToRest timing(sigma.back(), CurveSpeed(stroke, settings), settings.path_acceleration_mps2,
-                          settings.smoothing_s);
+    sigma.push_back(sigma.back() +
+                    std::hypot(Distance(poses[i - 1], poses[i]),
+                               metres_per_rad * (poses[i].yaw_rad - poses[i - 1].yaw_rad)));
+  const RestToRest timing(sigma.back(), CurveSpeed(stroke, settings),
+                          settings.path_acceleration_mps2, settings.smoothing_s);
   return {PathPiece::Kind::kCurve, std::move(poses), std::move(sigma), timing};
 }
 
 double PointToSegment(const Eigen::Vector3d& p, const BladePose& a, const BladePose& b) {
-  const Eigen::Vector3d start(a.x_m, a.y_m, a.z_m), d = Eigen::Vector3d(b.x_m, b.y_m, b.z_m) - start;
-  const double t = d.squaredNorm() > 0 ? std::clamp((p - start).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0;
+  const Eigen::Vector3d start(a.x_m, a.y_m, a.z_m),
+      d = Eigen::Vector3d(b.x_m, b.y_m, b.z_m) - start;
+  const double t =
+      d.squaredNorm() > 0 ? std::clamp((p - start).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0;
   return (start + t * d - p).norm();
 }
 
@@ -87,7 +93,8 @@ std::vector<PathPiece> StrokePieces(const Stroke& stroke, const MotionSettings& 
     path.push_back(CurvePiece(stroke, settings, sampling));
   }
   const auto vertical = [&](PathPiece::Kind kind, BladePose from, BladePose to) {
-    return LinearPiece(kind, from, to, settings.vertical_speed_mps, settings.path_acceleration_mps2, settings);
+    return LinearPiece(kind, from, to, settings.vertical_speed_mps, settings.path_acceleration_mps2,
+                       settings);
   };
   const BladePose first = path.front().poses.front(), last = path.back().poses.back();
   BladePose above_first = first, above_last = last;
@@ -121,8 +128,8 @@ Eigen::Isometry3d BladeKinematics::BladeInBox(const JointAngles& q) const {
   return X_BW_ * arm_.Forward(q) * X_FT_;
 }
 
-std::optional<JointAngles> BladeKinematics::Solve(const BladePose& pose, Branch branch, bool flipped,
-                                                  const JointAngles& near) const {
+std::optional<JointAngles> BladeKinematics::Solve(const BladePose& pose, Branch branch,
+                                                  bool flipped, const JointAngles& near) const {
   const auto solution = arm_.Inverse(FlangePose(pose, flipped), branch, near[5]);
   if (!solution) return std::nullopt;
   return NearestTurns(solution->q, near);
@@ -144,7 +151,8 @@ std::optional<StrokeMotion> MakeStrokeMotion(const std::vector<PathPiece>& piece
   for (const PathPiece& piece : pieces) {
     if (piece.kind == PathPiece::Kind::kUp) motion.path_end = motion.knots.size();
     // Whole periods: the last step of a piece is a little short of its time, never beyond its end.
-    const int steps = static_cast<int>(std::ceil(piece.timing.duration_s() / StrokeMotion::kPeriod_s));
+    const int steps =
+        static_cast<int>(std::ceil(piece.timing.duration_s() / StrokeMotion::kPeriod_s));
     for (int k = 1; k <= steps; ++k) {
       if (!add(piece.At(piece.timing.At(k * StrokeMotion::kPeriod_s)))) return std::nullopt;
     }
@@ -156,8 +164,8 @@ std::optional<StrokeMotion> MakeStrokeMotion(const std::vector<PathPiece>& piece
 std::vector<JointAngles> TransferKnots(const JointAngles& from, const JointAngles& to,
                                        const MotionSettings& settings) {
   const double farthest = (to.rad - from.rad).cwiseAbs().maxCoeff();
-  const RestToRest timing(farthest, settings.transfer_speed_radps, settings.transfer_acceleration_radps2,
-                          settings.smoothing_s);
+  const RestToRest timing(farthest, settings.transfer_speed_radps,
+                          settings.transfer_acceleration_radps2, settings.smoothing_s);
   std::vector<JointAngles> knots = {from};
   const int steps = static_cast<int>(std::ceil(timing.duration_s() / StrokeMotion::kPeriod_s));
   for (int k = 1; k <= steps; ++k) {
@@ -168,7 +176,8 @@ std::vector<JointAngles> TransferKnots(const JointAngles& from, const JointAngle
   return knots;
 }
 
-double PathError(const StrokeMotion& motion, const BladeKinematics& kinematics, const Stroke& stroke) {
+double PathError(const StrokeMotion& motion, const BladeKinematics& kinematics,
+                 const Stroke& stroke) {
   const ToolPath path = SamplePath(stroke, 0.5e-3, kCoarseTurn_rad);
   double worst = 0;
   size_t at = 0;

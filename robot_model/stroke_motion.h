@@ -1,7 +1,7 @@
 // A stroke as joint motion over time.
 //
-// The blade comes down vertically, follows the path, and goes up vertically. It works both ways round,
-// so each pose of it can be reached with the flange turned by pi ("flipped") as well.
+// The blade comes down vertically, follows the path, and goes up vertically. It works both ways
+// round, so each pose of it can be reached with the flange turned by pi ("flipped") as well.
 #pragma once
 
 #include <optional>
@@ -81,8 +81,9 @@ std::optional<StrokeMotion> MakeStrokeMotion(const std::vector<PathPiece>& piece
 std::vector<JointAngles> TransferKnots(const JointAngles& from, const JointAngles& to,
                                        const MotionSettings& settings);
 
-// Largest distance [m] of the blade's edge from the path while the joints move linearly from knot to
-// knot (looked at half-way).
-double PathError(const StrokeMotion& motion, const BladeKinematics& kinematics, const Stroke& stroke);
+// Largest distance [m] of the blade's edge from the path while the joints move
+// linearly from knot to knot (looked at half-way).
+double PathError(const StrokeMotion& motion, const BladeKinematics& kinematics,
+                 const Stroke& stroke);
 
 }  // namespace sandwright

@@ -108,7 +108,8 @@ std::optional<IkSolution> Ur10::Inverse(const Eigen::Isometry3d& X_WF, Branch br
   const Eigen::Vector3d p5 = p - d6_ * R.col(2);
   const double radius = std::hypot(p5.x(), p5.y());
   if (radius < std::abs(d4_) - kReachRounding) return std::nullopt;
-  const double aside = std::asin(std::clamp(d4_ / radius, -1.0, 1.0)), bearing = std::atan2(p5.y(), p5.x());
+  const double aside = std::asin(std::clamp(d4_ / radius, -1.0, 1.0)),
+               bearing = std::atan2(p5.y(), p5.x());
   const double q1 = shoulder_turned ? bearing + kPi - aside : bearing + aside;
   const double c1 = std::cos(q1), s1 = std::sin(q1);
 
@@ -149,7 +150,8 @@ std::optional<IkSolution> Ur10::Inverse(const Eigen::Isometry3d& X_WF, Branch br
   return solution;
 }
 
-// Newton on the pose error; a step is kept only where it helps, so a singular Jacobian does no harm.
+// Newton on the pose error; a step is kept only where it helps, so a
+// singular Jacobian does no harm.
 JointAngles Ur10::Polish(JointAngles q, const Eigen::Isometry3d& X_WF) const {
   Vector6 error = PoseError(Forward(q), X_WF);
   for (int step = 0; step < 6 && error.norm() > kPolishAbove; ++step) {
@@ -187,8 +189,7 @@ double SmallestSingularValue(const Matrix6& jacobian) {
 }
 
 JointAngles NearestTurns(JointAngles q, const JointAngles& reference) {
-  for (int i = 0; i < 6; ++i)
-    q.rad[i] -= 2 * kPi * std::round((q[i] - reference[i]) / (2 * kPi));
+  for (int i = 0; i < 6; ++i) q.rad[i] -= 2 * kPi * std::round((q[i] - reference[i]) / (2 * kPi));
   return q;
 }
 

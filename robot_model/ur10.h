@@ -1,7 +1,7 @@
 // Kinematics of the Universal Robots UR10 (CB3) in double precision.
 //
-// Frames: W the base as the pendant shows it (UR "Base"), F the flange (tool0). Joint angles in rad,
-// lengths in m. Standard Denavit-Hartenberg parameters.
+// Frames: W the base as the pendant shows it (UR "Base"), F the flange (tool0). Joint angles in
+// rad, lengths in m. Standard Denavit-Hartenberg parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,12 +26,13 @@ struct JointAngles {
   double operator[](int joint) const { return rad[joint]; }
 };
 
-// One row a joint: T = Rz(theta + q) Tz(d) Tx(a) Rx(alpha). The defaults are the nominal UR10 CB3; a
-// controller's factory calibration moves the flange by millimetres.
+// One row a joint: T = Rz(theta + q) Tz(d) Tx(a) Rx(alpha). The defaults are the nominal UR10 CB3;
+// a controller's factory calibration moves the flange by millimetres.
 struct DhParameters {
   std::vector<double> a_m = {0, -0.612, -0.5723, 0, 0, 0};
   std::vector<double> d_m = {0.1273, 0, 0, 0.163941, 0.1157, 0.0922};
-  std::vector<double> alpha_rad = {std::numbers::pi / 2, 0, 0, std::numbers::pi / 2, -std::numbers::pi / 2, 0};
+  std::vector<double> alpha_rad = {std::numbers::pi / 2,  0, 0, std::numbers::pi / 2,
+                                   -std::numbers::pi / 2, 0};
   std::vector<double> theta_rad = {0, 0, 0, 0, 0, 0};
 
   void Fields(FieldList& f) {
@@ -50,8 +51,9 @@ inline constexpr int kBranches = 8;
 struct IkSolution {
   JointAngles q;  // each in (-pi, pi]
   Branch branch = 0;
-  bool near_singular = false;  // branches meet here: within 1e-4 of sin q5 = 0, sin q3 = 0 or the axis
-  bool joint6_free = false;    // sin q5 = 0: only q4 +- q6 matters; q6 was taken as asked
+  bool near_singular =
+      false;  // branches meet here: within 1e-4 of sin q5 = 0, sin q3 = 0 or the axis
+  bool joint6_free = false;  // sin q5 = 0: only q4 +- q6 matters; q6 was taken as asked
 };
 
 class Ur10 {
@@ -80,7 +82,8 @@ class Ur10 {
   double a2_, a3_, d1_, d4_, d5_, d6_;  // of the closed form, which is exact for nominal twists
 };
 
-// Smallest singular value of a Jacobian (unit mixed of m and rad, as all lengths here are near 1 m).
+// Smallest singular value of a Jacobian (unit mixed of m and rad, as
+// all lengths here are near 1 m).
 double SmallestSingularValue(const Matrix6& jacobian);
 
 // `q` with each joint shifted by whole turns to within half a turn of `reference`.

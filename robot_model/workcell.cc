@@ -13,7 +13,8 @@ namespace {
 void CheckLength(const std::vector<double>& list, size_t length, const std::string& source,
                  const char* key) {
   if (list.size() != length)
-    throw Error(fmt::format("{}: {} has {} numbers; {} are needed", source, key, list.size(), length));
+    throw Error(
+        fmt::format("{}: {} has {} numbers; {} are needed", source, key, list.size(), length));
 }
 
 void CheckPose(const PoseSetting& pose, const std::string& source, const std::string& key) {
@@ -27,8 +28,9 @@ void CheckJoints(const std::vector<double>& joints, const MotionLimits& limits,
   for (size_t i = 0; i < 6; ++i) {
     const double limit = limits.joint_position_rad[i] - limits.position_margin_rad;
     if (std::abs(joints[i]) > limit)
-      throw Error(fmt::format("{}: {}: joint {} at {:.4f} rad; allowed: +-{:.4f} (limit less margin)",
-                              source, key, i + 1, joints[i], limit));
+      throw Error(
+          fmt::format("{}: {}: joint {} at {:.4f} rad; allowed: +-{:.4f} (limit less margin)",
+                      source, key, i + 1, joints[i], limit));
   }
 }
 
@@ -41,7 +43,8 @@ std::string HashOf(Component component) {
 
 Eigen::Isometry3d PoseSetting::ToIsometry() const {
   const Eigen::Map<const Eigen::Vector3d> translation(translation_m.data());
-  const Eigen::Vector3d turn(rotation_vector_rad[0], rotation_vector_rad[1], rotation_vector_rad[2]);
+  const Eigen::Vector3d turn(rotation_vector_rad[0], rotation_vector_rad[1],
+                             rotation_vector_rad[2]);
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   if (turn.norm() > 0)
     X.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
@@ -50,14 +53,17 @@ Eigen::Isometry3d PoseSetting::ToIsometry() const {
 }
 
 void MotionLimits::Fields(FieldList& f) {
-  f.Add("joint_position_rad", joint_position_rad, "largest |angle| a joint, base first [rad]", 0, 6.2832);
+  f.Add("joint_position_rad", joint_position_rad, "largest |angle| a joint, base first [rad]", 0,
+        6.2832);
   f.Add("joint_speed_radps", joint_speed_radps, "rated speed a joint [rad/s]", 0.01, 3.1416);
-  f.Add("joint_acceleration_radps2", joint_acceleration_radps2, "of any joint [rad/s^2]", 0.1, 5.236);
+  f.Add("joint_acceleration_radps2", joint_acceleration_radps2, "of any joint [rad/s^2]", 0.1,
+        5.236);
   f.Add("joint_jerk_radps3", joint_jerk_radps3, "of any joint [rad/s^3]", 1, 1000);
   f.Add("tcp_speed_mps", tcp_speed_mps, "of the blade along a stroke [m/s]", 0.001, 1);
   f.Add("tcp_acceleration_mps2", tcp_acceleration_mps2, "of the blade [m/s^2]", 0.01, 2.5);
   f.Add("share_of_speed", share_of_speed, "of the speeds that may be used", 0.01, 1);
-  f.Add("share_of_acceleration", share_of_acceleration, "of accelerations and jerk that may be used", 0.01, 1);
+  f.Add("share_of_acceleration", share_of_acceleration,
+        "of accelerations and jerk that may be used", 0.01, 1);
   f.Add("position_margin_rad", position_margin_rad, "kept from the joint limits [rad]", 0, 1);
   f.Add("min_singular_value", min_singular_value, "of the flange Jacobian (m, rad)", 0, 1);
   f.Add("clearance_m", clearance_m, "links to walls, table, sand and other links [m]", 0, 0.2);
@@ -65,13 +71,16 @@ void MotionLimits::Fields(FieldList& f) {
   f.Add("floor_margin_m", floor_margin_m, "blade's edge above the box floor [m]", 0, 0.1);
   f.Add("max_cut_m", max_cut_m, "sand above the blade's edge [m]", 0, 0.5);
   f.Add("max_extent_m", max_extent_m, "of the control points along each axis [m]", 0.01, 2);
-  f.Add("min_bend_radius_m", min_bend_radius_m, "of a curved stroke's path in the plane [m]", 0.0005, 1);
-  f.Add("min_curve_speed_share", min_curve_speed_share, "share of its speed to which abrupt bends may slow a curve", 0, 1);
+  f.Add("min_bend_radius_m", min_bend_radius_m, "of a curved stroke's path in the plane [m]",
+        0.0005, 1);
+  f.Add("min_curve_speed_share", min_curve_speed_share,
+        "share of its speed to which abrupt bends may slow a curve", 0, 1);
   f.Add("max_duration_s", max_duration_s, "of one stroke [s]", 0.1, 3600);
 }
 
 void MotionSettings::Fields(FieldList& f) {
-  f.Add("retreat_height_m", retreat_height_m, "blade's edge above the box floor between strokes [m]", 0, 1);
+  f.Add("retreat_height_m", retreat_height_m,
+        "blade's edge above the box floor between strokes [m]", 0, 1);
   f.Add("path_acceleration_mps2", path_acceleration_mps2, "along the path [m/s^2]", 0.01, 2.5);
   f.Add("turn_speed_radps", turn_speed_radps, "of the blade about its axis [rad/s]", 0.01, 3);
   f.Add("turn_acceleration_radps2", turn_acceleration_radps2, "of it [rad/s^2]", 0.01, 5);
@@ -110,14 +119,17 @@ void CheckWorkcell(const Workcell& cell, const std::string& source) {
   CheckJoints(cell.camera_joints_rad, cell.limits, source, "camera_joints_rad");
   // The holder and the camera then pass over the walls wherever the blade may be.
   const double hand = cell.tool.blade_height_m + cell.limits.floor_margin_m;
-  if (hand < cell.box.wall_height_m + cell.limits.clearance_m || cell.tool.blade_height_m < cell.limits.max_cut_m)
-    throw Error(fmt::format("{}: tool.blade_height_m = {}; the plate must reach over the walls ({} m) with the "
-                            "clearance ({} m) and over the deepest cut ({} m)", source, cell.tool.blade_height_m,
-                            cell.box.wall_height_m, cell.limits.clearance_m, cell.limits.max_cut_m));
+  if (hand < cell.box.wall_height_m + cell.limits.clearance_m ||
+      cell.tool.blade_height_m < cell.limits.max_cut_m)
+    throw Error(fmt::format(
+        "{}: tool.blade_height_m = {}; the plate must reach over the walls ({} m) with the "
+        "clearance ({} m) and over the deepest cut ({} m)",
+        source, cell.tool.blade_height_m, cell.box.wall_height_m, cell.limits.clearance_m,
+        cell.limits.max_cut_m));
   const double needed = cell.box.wall_height_m + cell.limits.clearance_m;
   if (cell.motion.retreat_height_m < needed)
-    throw Error(fmt::format("{}: motion.retreat_height_m = {}; the walls and the clearance need {}", source,
-                            cell.motion.retreat_height_m, needed));
+    throw Error(fmt::format("{}: motion.retreat_height_m = {}; the walls and the clearance need {}",
+                            source, cell.motion.retreat_height_m, needed));
 }
 
 Workcell LoadWorkcell(const std::filesystem::path& file) {

@@ -44,13 +44,14 @@ struct BoxSettings {
 
 // What the flange carries. The camera's body is a block around C, its long side along x of C.
 struct ToolSettings {
-  PoseSetting X_FT{{0, 0, 0.250}, {0, 0, 0}};  // T: middle of the lower edge, x along the blade's normal
-  PoseSetting X_FC{{0.160, 0, 0.030}, {0, 0, 1.5708}};  // C: optical frame of the camera
+  // T: middle of the blade's lower edge, x along its normal; C: optical frame of the camera.
+  PoseSetting X_FT{{0, 0, 0.250}, {0, 0, 0}};
+  PoseSetting X_FC{{0.160, 0, 0.030}, {0, 0, 1.5708}};
   Blade blade;
   double blade_height_m = 0.195;  // the plate; above it is the holder
   double holder_radius_m = 0.015;
   std::vector<double> camera_body_m = {0.250, 0.070, 0.070};
-  double mass_kg = 2.2;                                // blade, holder and camera
+  double mass_kg = 2.2;                                 // blade, holder and camera
   std::vector<double> centre_of_mass_m = {0, 0, 0.08};  // in F
 
   void Fields(FieldList& f) {
@@ -75,16 +76,16 @@ struct MotionLimits {
   double tcp_acceleration_mps2 = 2.5;
   double tcp_speed_mps = 0.25;
   double share_of_speed = 0.8, share_of_acceleration = 0.8;
-  double position_margin_rad = 0.05;  // kept from the joint limits
-  double min_singular_value = 0.04;   // of the flange Jacobian (m, rad)
-  double clearance_m = 0.020;         // links to walls, table, sand and other links
-  double wall_margin_m = 0.005;       // blade to the box walls
-  double floor_margin_m = 0.002;      // blade edge above the box floor
-  double max_cut_m = 0.100;           // sand above the blade's edge
-  double max_extent_m = 0.255;        // of the control points along x, y and z
-  double min_bend_radius_m = 0.005;   // of a curve; sharper ones are corners for a polyline
-  double min_curve_speed_share = 0.2; // to which abrupt bends may slow a curve
-  double max_duration_s = 60;         // of one stroke
+  double position_margin_rad = 0.05;   // kept from the joint limits
+  double min_singular_value = 0.04;    // of the flange Jacobian (m, rad)
+  double clearance_m = 0.020;          // links to walls, table, sand and other links
+  double wall_margin_m = 0.005;        // blade to the box walls
+  double floor_margin_m = 0.002;       // blade edge above the box floor
+  double max_cut_m = 0.100;            // sand above the blade's edge
+  double max_extent_m = 0.255;         // of the control points along x, y and z
+  double min_bend_radius_m = 0.005;    // of a curve; sharper ones are corners for a polyline
+  double min_curve_speed_share = 0.2;  // to which abrupt bends may slow a curve
+  double max_duration_s = 60;          // of one stroke
 
   void Fields(FieldList& f);
 };
@@ -110,8 +111,10 @@ struct Workcell {
   MotionSettings motion;
   CameraModel camera;       // what looks along z of C
   DhParameters kinematics;  // nominal, or read from the controller
-  std::vector<double> home_joints_rad = {-1.8476, -1.6540, 2.1158, -2.0326, -1.5708, -1.8476};    // parked
-  std::vector<double> camera_joints_rad = {-1.8793, -1.7071, 1.1376, -1.0013, -1.5708, -1.8793};  // scans
+  std::vector<double> home_joints_rad = {-1.8476, -1.6540, 2.1158,
+                                         -2.0326, -1.5708, -1.8476};  // parked
+  std::vector<double> camera_joints_rad = {-1.8793, -1.7071, 1.1376,
+                                           -1.0013, -1.5708, -1.8793};  // scans
 
   void Fields(FieldList& f);
   JointAngles home() const { return JointAngles::FromList(home_joints_rad); }

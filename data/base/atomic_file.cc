@@ -35,8 +35,8 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
   if (std::filesystem::is_directory(target_))
     throw Error("cannot write " + target_.string() + ": it is a folder");
   // The suffix keeps the target's extension last: writers that choose a format by it still work.
-  temporary_ = folder / fmt::format(".{}.{}-{}.part{}", target_.stem().string(), ::getpid(), serial++,
-                                    target_.extension().string());
+  temporary_ = folder / fmt::format(".{}.{}-{}.part{}", target_.stem().string(), ::getpid(),
+                                    serial++, target_.extension().string());
   const int descriptor = ::open(temporary_.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0644);
   if (descriptor < 0) Fail("cannot write", target_);
   ::close(descriptor);
@@ -66,7 +66,8 @@ void WriteFileAtomically(const std::filesystem::path& target, std::string_view b
 std::string ReadFile(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file)) {
-    if (!std::filesystem::exists(file)) throw Error("cannot read " + file.string() + ": no such file");
+    if (!std::filesystem::exists(file))
+      throw Error("cannot read " + file.string() + ": no such file");
     Fail("cannot read", file);
   }
   std::ostringstream bytes;

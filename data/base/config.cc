@@ -11,8 +11,8 @@
 namespace sandwright {
 namespace {
 
-using Value = std::variant<bool, int64_t, double, std::string, std::vector<double>,
-                           std::vector<std::string>>;
+using Value =
+    std::variant<bool, int64_t, double, std::string, std::vector<double>, std::vector<std::string>>;
 
 // A value that was parsed and checked but not yet stored.
 struct Assignment {
@@ -80,7 +80,8 @@ Assignment ParseField(const std::string& source, const Field& field, const YAML:
     Value operator()(std::string*) {
       const auto value = Parse<std::string>(source, field, node, "a text");
       if (!field.choices.empty() && std::ranges::find(field.choices, value) == field.choices.end())
-        Reject(source, field, value, "allowed: " + fmt::format("{}", fmt::join(field.choices, ", ")));
+        Reject(source, field, value,
+               "allowed: " + fmt::format("{}", fmt::join(field.choices, ", ")));
       return value;
     }
     Value operator()(std::vector<double>*) {
@@ -98,9 +99,11 @@ Assignment ParseField(const std::string& source, const Field& field, const YAML:
 void Collect(const FieldList& list, const std::string& source, const YAML::Node& node,
              const std::string& prefix, std::vector<Assignment>& out) {
   if (!node.IsMap())
-    throw Error(fmt::format("{}: '{}' must be a map of keys", source, prefix.empty() ? "/" : prefix));
+    throw Error(
+        fmt::format("{}: '{}' must be a map of keys", source, prefix.empty() ? "/" : prefix));
   for (const auto& entry : node) {
-    const std::string key = prefix + entry.first.as<std::string>();
+    if (!entry.first.IsScalar()) throw Error(source + ": a key must be a word, not a list or map");
+    const std::string key = prefix + entry.first.Scalar();
     const bool is_field = std::ranges::any_of(list.fields(), [&](auto& f) { return f.key == key; });
     if (!is_field && entry.second.IsMap()) {
       Collect(list, source, entry.second, key + ".", out);

@@ -1,6 +1,6 @@
 // One configuration mechanism. A component has one plain struct with defaults and one function
 //
-//   void Fields(FieldList& f) { f.Add("repose_deg", repose_deg, "static angle of repose [deg]", 5, 60); }
+//   void Fields(FieldList& f) { f.Add("repose_deg", repose_deg, "angle of repose [deg]", 5, 60); }
 //
 // and that list drives YAML files, dotted overrides, ranges, --help, and the resolved copy that
 // every result carries. Unknown keys and values out of range are errors that name the key.
@@ -20,9 +20,9 @@ namespace sandwright {
 struct Field {
   using Target = std::variant<bool*, int64_t*, double*, std::string*, std::vector<double>*,
                               std::vector<std::string>*>;
-  std::string key;   // dotted: "ppo.clip_range"
-  Target target;     // where the value lives
-  std::string help;  // meaning, with the unit in brackets
+  std::string key;                                        // dotted: "ppo.clip_range"
+  Target target;                                          // where the value lives
+  std::string help;                                       // meaning, with the unit in brackets
   double low = -std::numeric_limits<double>::infinity();  // inclusive, numbers only
   double high = std::numeric_limits<double>::infinity();
   std::vector<std::string> choices;  // texts only; empty: any
@@ -40,7 +40,8 @@ class FieldList {
   void Add(const std::string& key, std::string& value, std::string help,
            std::vector<std::string> choices = {}) {
     const double infinity = std::numeric_limits<double>::infinity();
-    fields_.push_back({prefix_ + key, &value, std::move(help), -infinity, infinity, std::move(choices)});
+    fields_.push_back(
+        {prefix_ + key, &value, std::move(help), -infinity, infinity, std::move(choices)});
   }
   // The fields of a component under "name.".
   template <class Component>

@@ -56,9 +56,9 @@ template <class... Values>
 }  // namespace sandwright
 
 // Guards against programmer errors, alive in Release; prints the values that follow.
-#define SAND_CHECK(condition, ...)                                                      \
-  do {                                                                                  \
-    if (!(condition))                                                                   \
-      ::sandwright::internal::FailCheck(#condition, __FILE__, __LINE__ __VA_OPT__(, )   \
-                                            __VA_ARGS__);                               \
+#define SAND_CHECK(condition, ...)                                            \
+  do {                                                                        \
+    if (!(condition))                                                         \
+      ::sandwright::internal::FailCheck(#condition, __FILE__,                 \
+                                        __LINE__ __VA_OPT__(, ) __VA_ARGS__); \
   } while (false)

@@ -16,22 +16,44 @@ void Quiet() { H5::Exception::dontPrint(); }
 template <class T>
 H5::PredType NativeType();
 template <>
-H5::PredType NativeType<float>() { return H5::PredType::NATIVE_FLOAT; }
+H5::PredType NativeType<float>() {
+  return H5::PredType::NATIVE_FLOAT;
+}
 template <>
-H5::PredType NativeType<double>() { return H5::PredType::NATIVE_DOUBLE; }
+H5::PredType NativeType<double>() {
+  return H5::PredType::NATIVE_DOUBLE;
+}
 template <>
-H5::PredType NativeType<uint8_t>() { return H5::PredType::NATIVE_UINT8; }
+H5::PredType NativeType<uint8_t>() {
+  return H5::PredType::NATIVE_UINT8;
+}
 
 void WriteScalar(H5::H5Object& object, const std::string& name, const H5::DataType& type,
                  const void* value) {
   object.createAttribute(name, type, H5::DataSpace(H5S_SCALAR)).write(type, value);
 }
 
+template <class T>
+T ReadScalar(const H5::H5Object& object, const std::string& name, const H5::DataType& type,
+             const std::string& where) {
+  try {
+    const H5::Attribute attribute = object.openAttribute(name);
+    if (attribute.getSpace().getSimpleExtentNpoints() == 1) {
+      T value = 0;
+      attribute.read(type, &value);
+      return value;
+    }
+  } catch (const H5::Exception&) {
+  }
+  throw Error(where + ": attribute " + name + " is missing or not one number");
+}
+
 }  // namespace
 
 H5::H5File OpenHdf5(const std::filesystem::path& file) {
   Quiet();
-  if (!std::filesystem::exists(file)) throw Error("cannot read " + file.string() + ": no such file");
+  if (!std::filesystem::exists(file))
+    throw Error("cannot read " + file.string() + ": no such file");
   try {
     return H5::H5File(file.string(), H5F_ACC_RDONLY);
   } catch (const H5::Exception&) {
@@ -78,16 +100,15 @@ bool HasAttribute(const H5::H5Object& object, const std::string& name) {
 bool HasDataset(const H5::Group& group, const std::string& name) { return group.nameExists(name); }
 
 double ReadNumber(const H5::H5Object& object, const std::string& name, const std::string& where) {
-  try {
-    double value = 0;
-    object.openAttribute(name).read(H5::PredType::NATIVE_DOUBLE, &value);
-    return value;
-  } catch (const H5::Exception&) {
-    throw Error(where + ": attribute " + name + " is missing or not a number");
-  }
+  return ReadScalar<double>(object, name, H5::PredType::NATIVE_DOUBLE, where);
 }
 
-std::string ReadText(const H5::H5Object& object, const std::string& name, const std::string& where) {
+int64_t ReadInteger(const H5::H5Object& object, const std::string& name, const std::string& where) {
+  return ReadScalar<int64_t>(object, name, H5::PredType::NATIVE_INT64, where);
+}
+
+std::string ReadText(const H5::H5Object& object, const std::string& name,
+                     const std::string& where) {
   try {
     const H5::Attribute attribute = object.openAttribute(name);
     std::string value;

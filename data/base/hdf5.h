@@ -29,6 +29,7 @@ bool HasDataset(const H5::Group& group, const std::string& name);
 
 // `where` (file and group) goes into messages.
 double ReadNumber(const H5::H5Object& object, const std::string& name, const std::string& where);
+int64_t ReadInteger(const H5::H5Object& object, const std::string& name, const std::string& where);
 std::string ReadText(const H5::H5Object& object, const std::string& name, const std::string& where);
 void WriteNumber(H5::H5Object& object, const std::string& name, double value);
 void WriteInteger(H5::H5Object& object, const std::string& name, int64_t value);
@@ -44,7 +45,8 @@ template <class T>
 Array2<T> ReadArray(const H5::Group& group, const std::string& name, const std::string& where);
 // Compressed (shuffle + deflate) with one chunk.
 template <class T>
-void WriteArray(H5::Group& group, const std::string& name, const T* values, size_t rows, size_t columns);
+void WriteArray(H5::Group& group, const std::string& name, const T* values, size_t rows,
+                size_t columns);
 
 // Names of the groups below `group`, in order.
 std::vector<std::string> GroupNames(const H5::Group& group);

@@ -37,8 +37,8 @@ TEST(Beta, DensityEntropyAndMeanMatchIntegration) {
     EXPECT_NEAR(-(density * log_density).sum().item<double>() * width,
                 BetaEntropy(Of(c)).item<double>(), 3e-3)
         << c.alpha;
-    EXPECT_NEAR((density * x.squeeze(1)).sum().item<double>() * width, BetaMean(Of(c)).item<double>(),
-                2e-3);
+    EXPECT_NEAR((density * x.squeeze(1)).sum().item<double>() * width,
+                BetaMean(Of(c)).item<double>(), 2e-3);
   }
 }
 
@@ -98,8 +98,9 @@ TEST(PlaceGrid, DensityIntegratesToOne) {
   EXPECT_NEAR(-(log_density.exp() * log_density).sum().item<double>() * volume,
               grid.Entropy(logits)[0].item<double>(), 1e-5);
   // Equal logits: the uniform density on a cube of side 2.
-  EXPECT_NEAR(grid.LogProb(torch::zeros({1, grid.bins()}), torch::zeros({1}, torch::kInt64)).item<double>(),
-              -std::log(8.0), 1e-6);
+  EXPECT_NEAR(
+      grid.LogProb(torch::zeros({1, grid.bins()}), torch::zeros({1}, torch::kInt64)).item<double>(),
+      -std::log(8.0), 1e-6);
 }
 
 TEST(PlaceGrid, SamplesFollowTheProbabilities) {

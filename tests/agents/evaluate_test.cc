@@ -4,10 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <cstdlib>
+
 #include "agents/greedy.h"
 #include "agents/load_agent.h"
 #include "agents/random_agent.h"
 #include "data/base/error.h"
+#include "data/base/stop.h"
 #include "env/heightfield.h"
 #include "env/task_generator.h"
 
@@ -56,9 +60,23 @@ TEST(Evaluate, StillSandKeepsTheStartError) {
   EXPECT_EQ(json["per_task"].size(), 2u);
   for (const char* key : {"5", "10", "20"})
     EXPECT_DOUBLE_EQ(json["error_after_mm"][key], json["in_goal_mean_diff_mm"]);
-  for (const char* key : {"agent", "rmse_mm", "rejected_strokes", "success_rate", "ms_per_stroke_agent",
-                          "ms_per_stroke_world"})
+  for (const char* key : {"agent", "rmse_mm", "rejected_strokes", "success_rate",
+                          "ms_per_stroke_agent", "ms_per_stroke_world"})
     EXPECT_TRUE(json.contains(key)) << key;
+}
+
+TEST(EvaluateDeathTest, AStopKeepsTheStrokesSoFar) {
+  EXPECT_EXIT(
+      {
+        InstallStopHandler();
+        const std::vector<Task> tasks = SmallTasks(2);
+        const StillSand sand;
+        RandomAgent agent;
+        const auto stop = [](int64_t) { std::raise(SIGINT); };
+        const auto json = Evaluate(agent, {sand, nullptr, 1}, {}, tasks, 7, stop).ToJson();
+        std::_Exit(json["stopped"] == true && json["strokes"] == 1.0 ? 7 : 8);
+      },
+      ::testing::ExitedWithCode(7), "");
 }
 
 TEST(Evaluate, NoTasksIsAnError) {
@@ -85,8 +103,10 @@ TEST(GreedyAgent, ChoosesWhatItsModelSaysIsBest) {
   RandomAgent random;
   const Evaluation rival = Evaluate(random, {sand, nullptr, 2}, {}, tasks, 7);
   for (size_t i = 0; i < tasks.size(); ++i) {
-    EXPECT_LT(result.per_task[i].at("in_goal_mean_diff_mm"), result.per_task[i].at("in_goal_mean_diff_start_mm"));
-    EXPECT_LT(result.per_task[i].at("in_goal_mean_diff_mm"), rival.per_task[i].at("in_goal_mean_diff_mm"));
+    EXPECT_LT(result.per_task[i].at("in_goal_mean_diff_mm"),
+              result.per_task[i].at("in_goal_mean_diff_start_mm"));
+    EXPECT_LT(result.per_task[i].at("in_goal_mean_diff_mm"),
+              rival.per_task[i].at("in_goal_mean_diff_mm"));
   }
   EXPECT_DOUBLE_EQ(result.ToJson()["model_evaluations_per_stroke"], 40.0);
 }
@@ -113,7 +133,8 @@ TEST(LoadAgent, NamesWhatThereIs) {
       LoadAgent(name, options);
       ADD_FAILURE() << name;
     } catch (const Error& e) {
-      EXPECT_THAT(e.what(), HasSubstr(std::string("no agent '") + name + "' in this version; allowed: random, greedy"));
+      EXPECT_THAT(e.what(), HasSubstr(std::string("no agent '") + name +
+                                      "' in this version; allowed: random, greedy"));
     }
   }
   EXPECT_THROW(LoadAgent("missing.safetensors", options), Error);

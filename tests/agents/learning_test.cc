@@ -1,5 +1,5 @@
-// Learning, shown: the shipped small configuration, trained here and now, against its rivals on tasks
-// that no training saw.
+// Learning, shown: the shipped small configuration, trained here and now,
+// against its rivals on tasks that no training saw.
 #include <gtest/gtest.h>
 
 #include "agents/evaluate.h"
@@ -36,7 +36,8 @@ TEST(Learning, AMinuteOfPpoBeatsRandomOnUnseenTasks) {
   const Evaluation policy = play((folder / "agent.safetensors").string()), random = play("random");
   int wins = 0;
   for (size_t i = 0; i < tasks.size(); ++i)
-    wins += policy.per_task[i].at("in_goal_mean_diff_mm") < random.per_task[i].at("in_goal_mean_diff_mm");
+    wins += policy.per_task[i].at("in_goal_mean_diff_mm") <
+            random.per_task[i].at("in_goal_mean_diff_mm");
   EXPECT_GE(wins, 40);
   // Doing nothing would beat random, too: the policy must shape.
   EXPECT_LT(policy.Mean("in_goal_mean_diff_mm"), policy.Mean("in_goal_mean_diff_start_mm"));

@@ -22,12 +22,15 @@ std::vector<float> ParametersOf(const ActorCritic& network) {
 }
 
 TEST(EstimateAdvantages, HandNumbers) {
-  // One environment, gamma 0.5, lambda 0.5; deltas: 1 + 0.5*2 - 1 = 1, 0 + 0.5*4 - 2 = 0, 2 + 0.5*6 - 4 = 1.
+  // One environment, gamma 0.5, lambda 0.5; deltas: 1 + 0.5*2 - 1 =
+  // 1, 0 + 0.5*4 - 2 = 0, 2 + 0.5*6 - 4 = 1.
   const std::vector<float> reward = {1, 0, 2}, value = {1, 2, 4}, next = {2, 4, 6};
   const std::vector<uint8_t> ends = {0, 0, 0};
   const Advantages a = EstimateAdvantages(reward, value, next, ends, 1, 0.5, 0.5);
-  EXPECT_THAT(a.advantage, ElementsAre(FloatNear(1.0625f, 1e-6f), FloatNear(0.25f, 1e-6f), FloatNear(1, 1e-6f)));
-  EXPECT_THAT(a.value_target, ElementsAre(FloatNear(2.0625f, 1e-6f), FloatNear(2.25f, 1e-6f), FloatNear(5, 1e-6f)));
+  EXPECT_THAT(a.advantage,
+              ElementsAre(FloatNear(1.0625f, 1e-6f), FloatNear(0.25f, 1e-6f), FloatNear(1, 1e-6f)));
+  EXPECT_THAT(a.value_target,
+              ElementsAre(FloatNear(2.0625f, 1e-6f), FloatNear(2.25f, 1e-6f), FloatNear(5, 1e-6f)));
 }
 
 TEST(EstimateAdvantages, TerminationAndTruncation) {
@@ -36,12 +39,12 @@ TEST(EstimateAdvantages, TerminationAndTruncation) {
   const std::vector<float> reward = {1, 1, 5, 5}, value = {2, 2, 3, 3}, next = {0, 10, 0, 0};
   const std::vector<uint8_t> ends = {1, 1, 1, 1};
   const Advantages a = EstimateAdvantages(reward, value, next, ends, 2, 0.9, 0.95);
-  EXPECT_THAT(a.advantage, ElementsAre(FloatNear(-1, 1e-6f), FloatNear(1 + 9 - 2, 1e-5f), FloatNear(2, 1e-6f),
-                                       FloatNear(2, 1e-6f)));
+  EXPECT_THAT(a.advantage, ElementsAre(FloatNear(-1, 1e-6f), FloatNear(1 + 9 - 2, 1e-5f),
+                                       FloatNear(2, 1e-6f), FloatNear(2, 1e-6f)));
 }
 
-// Rewards 1 a step, truncated every second step, with a constant observation: V is the value of going
-// on for ever. A trainer that takes truncation for an end would find at most 1 + gamma.
+// Rewards 1 a step, truncated every second step, with a constant observation: V is the value of
+// going on for ever. A trainer that takes truncation for an end would find at most 1 + gamma.
 class EndlessReward final : public VecEnv {
  public:
   EndlessReward() { spec_.numbers = {"one"}; }
@@ -65,8 +68,8 @@ TEST(Ppo, TruncationBootstrapsTheFinalObservation) {
   EndlessReward env;
   RandomStream stream(1);
   ActorCritic network(env.observation_spec(), 1, {.hidden = 16}, stream);
-  PpoConfig config{.num_steps = 32, .minibatch_size = 64, .gamma = 0.8, .learning_rate = 0.01,
-                   .target_kl = 0};
+  PpoConfig config{
+      .num_steps = 32, .minibatch_size = 64, .gamma = 0.8, .learning_rate = 0.01, .target_kl = 0};
   const int64_t total = 120 * 64;
   Ppo ppo(env, network, config, total, 1, torch::kCPU);
   while (ppo.steps() < total) ppo.Update();
@@ -101,7 +104,9 @@ TEST(FlatAdam, MatchesTorch) {
 
 struct Trainer {
   explicit Trainer(uint64_t seed, int64_t total_steps = 4096)
-      : env(8), stream(seed), network(env.observation_spec(), 1, {.hidden = 16}, stream),
+      : env(8),
+        stream(seed),
+        network(env.observation_spec(), 1, {.hidden = 16}, stream),
         ppo(env, network, {.num_steps = 16, .minibatch_size = 32}, total_steps, seed, torch::kCPU) {
     torch::set_num_threads(1);
   }
@@ -151,7 +156,8 @@ TEST(PpoLearning, WalksToTheTarget) {
   RandomStream stream(1);
   ActorCritic network(env.observation_spec(), 1, {.hidden = 32}, stream);
   const int64_t total = 40 * 16 * 64;
-  Ppo ppo(env, network, {.num_steps = 64, .minibatch_size = 128, .learning_rate = 3e-3}, total, 1, torch::kCPU);
+  Ppo ppo(env, network, {.num_steps = 64, .minibatch_size = 128, .learning_rate = 3e-3}, total, 1,
+          torch::kCPU);
   PpoReport last;
   while (ppo.steps() < total) last = ppo.Update();
   double distance = 0;
@@ -165,10 +171,12 @@ TEST(PpoLearning, HitsOneOfTwoSpotsAtAHeadingThatWraps) {
   torch::set_num_threads(1);
   HitTheSpot env(64);
   RandomStream stream(1);
-  ActorCritic network(env.observation_spec(), 4, {.channels = 8, .hidden = 32, .headings = 8}, stream);
+  ActorCritic network(env.observation_spec(), 4, {.channels = 8, .hidden = 32, .headings = 8},
+                      stream);
   const int64_t total = 80 * 64 * 8;
-  Ppo ppo(env, network, {.num_steps = 8, .minibatch_size = 128, .learning_rate = 3e-3, .target_kl = 0.1},
-          total, 1, torch::kCPU);
+  Ppo ppo(env, network,
+          {.num_steps = 8, .minibatch_size = 128, .learning_rate = 3e-3, .target_kl = 0.1}, total,
+          1, torch::kCPU);
   PpoReport first = ppo.Update(), last;
   while (ppo.steps() < total) last = ppo.Update();
   const auto mean_return = [](const PpoReport& report) {

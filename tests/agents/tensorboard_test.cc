@@ -54,8 +54,8 @@ std::multimap<uint64_t, std::string> Parse(std::string_view bytes) {
 }
 
 TEST(Crc32c, KnownValues) {
-  EXPECT_EQ(Crc32c("123456789"), 0xE3069283u);              // the check value of CRC-32C
-  EXPECT_EQ(Crc32c(std::string(32, '\0')), 0x8A9136AAu);    // RFC 3720, B.4
+  EXPECT_EQ(Crc32c("123456789"), 0xE3069283u);            // the check value of CRC-32C
+  EXPECT_EQ(Crc32c(std::string(32, '\0')), 0x8A9136AAu);  // RFC 3720, B.4
   EXPECT_EQ(Crc32c(""), 0u);
 }
 

@@ -11,11 +11,13 @@
 
 namespace sandwright {
 
-// A point on a line walks to a target: x += 0.25 a, reward = drop of the distance, terminated within
-// 0.05 of the target, truncated after 12 steps. The best return is the first distance (to 0.05).
+// A point on a line walks to a target: x += 0.25 a, reward = drop of the
+// distance, terminated within 0.05 of the target, truncated after 12 steps. The
+// best return is the first distance (to 0.05).
 class MoveToTarget final : public VecEnv {
  public:
-  explicit MoveToTarget(int num_envs) : x_(num_envs), target_(num_envs), step_(num_envs), start_(num_envs) {
+  explicit MoveToTarget(int num_envs)
+      : x_(num_envs), target_(num_envs), step_(num_envs), start_(num_envs) {
     spec_.numbers = {"x", "target"};
   }
   int num_envs() const override { return static_cast<int>(x_.size()); }
@@ -58,7 +60,9 @@ class MoveToTarget final : public VecEnv {
     start_[i] = std::abs(x_[i] - target_[i]);
     step_[i] = 0;
   }
-  void Show(size_t i, ObservationBatch& out) const { out.vec.insert(out.vec.end(), {x_[i], target_[i]}); }
+  void Show(size_t i, ObservationBatch& out) const {
+    out.vec.insert(out.vec.end(), {x_[i], target_[i]});
+  }
 
   ObservationSpec spec_;
   RandomStream stream_{0};
@@ -67,9 +71,10 @@ class MoveToTarget final : public VecEnv {
   std::vector<double> start_;
 };
 
-// One step: a 16 x 16 map shows one or two spots; the action's first two numbers must hit one of them,
-// the third the heading that is asked for (seen in `vec`; near the wrap of +-pi), the fourth 0.5.
-// Reward 1 less the distance to the nearer spot, less a share of the other two errors: at most 1.
+// One step: a 16 x 16 map shows one or two spots; the action's first two numbers must
+// hit one of them, the third the heading that is asked for (seen in `vec`; near the
+// wrap of +-pi), the fourth 0.5. Reward 1 less the distance to the nearer spot, less
+// a share of the other two errors: at most 1.
 class HitTheSpot final : public VecEnv {
  public:
   explicit HitTheSpot(int num_envs) : num_envs_(num_envs), spots_(num_envs) {
@@ -110,7 +115,8 @@ class HitTheSpot final : public VecEnv {
   };
 
   ObservationBatch NewEpisodes() {
-    observation_ = {std::vector<float>(spots_.size() * kSize * kSize), std::vector<float>(spots_.size())};
+    observation_ = {std::vector<float>(spots_.size() * kSize * kSize),
+                    std::vector<float>(spots_.size())};
     for (size_t i = 0; i < spots_.size(); ++i) {
       spots_[i].clear();
       const uint64_t count = 1 + stream_.Index(2);
@@ -122,7 +128,9 @@ class HitTheSpot final : public VecEnv {
     }
     return observation_;
   }
-  static double Middle(uint64_t cell) { return (static_cast<double>(cell) + 0.5) * 2.0 / kSize - 1.0; }
+  static double Middle(uint64_t cell) {
+    return (static_cast<double>(cell) + 0.5) * 2.0 / kSize - 1.0;
+  }
 
   int num_envs_;
   ObservationSpec spec_;

@@ -67,12 +67,16 @@ TEST(Train, LeavesTheWholeRunFolder) {
   for (const char* name : {"config.yaml", "best.safetensors", "agent.safetensors", "progress.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
   EXPECT_EQ(LastCheckpoint(folder).filename(), "000000000256.safetensors");
-  EXPECT_THAT(ReadFile(folder / "config.yaml"), HasSubstr("total_steps: 256  # strokes to train on"));
+  EXPECT_THAT(ReadFile(folder / "config.yaml"),
+              HasSubstr("total_steps: 256  # strokes to train on"));
   const std::string csv = ReadFile(folder / "progress.csv");
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + 4);
   TrainConfig again;
   LoadYaml(FieldsOf(again), folder / "config.yaml");
-  EXPECT_EQ(ToJson(FieldsOf(again)), [] { auto c = SmallConfig(); return ToJson(FieldsOf(c)); }());
+  EXPECT_EQ(ToJson(FieldsOf(again)), [] {
+    auto c = SmallConfig();
+    return ToJson(FieldsOf(c));
+  }());
 }
 
 TEST(Train, ResumedEqualsUninterruptedBitForBit) {
@@ -99,7 +103,10 @@ TEST(Train, AStopLeavesACheckpoint) {
         try {
           Train(SmallConfig(), {folder, 3, 1, false});
         } catch (const Error& e) {
-          std::exit(e.kind() == ErrorKind::kInterrupted && std::filesystem::exists(LastCheckpoint(folder)) ? 7 : 8);
+          std::exit(e.kind() == ErrorKind::kInterrupted &&
+                            std::filesystem::exists(LastCheckpoint(folder))
+                        ? 7
+                        : 8);
         }
         std::exit(9);
       },
@@ -107,7 +114,9 @@ TEST(Train, AStopLeavesACheckpoint) {
 }
 
 TEST(Train, NothingToResume) {
-  EXPECT_THAT(MessageOf([] { Train(SmallConfig(), {Folder("none"), 3, 1, true}); }),
+  EXPECT_THAT(MessageOf([] {
+                Train(SmallConfig(), {Folder("none"), 3, 1, true});
+              }),
               HasSubstr("no checkpoint to resume from"));
 }
 
@@ -148,13 +157,16 @@ TEST_F(SavedPolicy, ActsWithoutAnythingBesideIt) {
   for (float number : actions[0]) EXPECT_LT(std::abs(number), 1.0f);
 
   const TaskView elsewhere{task.terrain, task.goal, {0, 0, 0.2, 0.3}, 0, 5, 0};
-  EXPECT_THAT(MessageOf([&] { agent->Act({&elsewhere, 1}, streams); }),
+  EXPECT_THAT(MessageOf([&] {
+                agent->Act({&elsewhere, 1}, streams);
+              }),
               HasSubstr("trained for a region of 0.3 x 0.3 m, the task's is 0.2 x 0.3 m"));
 }
 
 TEST_F(SavedPolicy, MismatchesAreNamed) {
-  EXPECT_THAT(LoadMessage(Changed([](Safetensors& c) { c.metadata["schema"] = "sandwright-surrogate"; })),
-              HasSubstr("not a policy: schema is 'sandwright-surrogate'"));
+  EXPECT_THAT(
+      LoadMessage(Changed([](Safetensors& c) { c.metadata["schema"] = "sandwright-surrogate"; })),
+      HasSubstr("not a policy: schema is 'sandwright-surrogate'"));
   EXPECT_THAT(LoadMessage(Changed([](Safetensors& c) { c.metadata["schema_version"] = "9"; })),
               HasSubstr("schema_version 9"));
   EXPECT_THAT(LoadMessage(Changed([](Safetensors& c) { c.metadata["action_spec"] = "[]"; })),
@@ -163,16 +175,22 @@ TEST_F(SavedPolicy, MismatchesAreNamed) {
               HasSubstr("the policy's observation is {}"));
   EXPECT_THAT(LoadMessage(Changed([](Safetensors& c) { c.metadata["region_m"] = "nonsense"; })),
               HasSubstr("'region_m' is damaged"));
-  EXPECT_THAT(LoadMessage(Changed([](Safetensors& c) { c.tensors.erase("network.value_head.bias"); })),
-              HasSubstr("no tensor 'network.value_head.bias'"));
-  EXPECT_THAT(LoadMessage(Changed([](Safetensors& c) { c.tensors["network.value_head.bias"] = {{2}, {0, 0}}; })),
+  EXPECT_THAT(
+      LoadMessage(Changed([](Safetensors& c) { c.tensors.erase("network.value_head.bias"); })),
+      HasSubstr("no tensor 'network.value_head.bias'"));
+  EXPECT_THAT(LoadMessage(Changed([](Safetensors& c) {
+                c.tensors["network.value_head.bias"] = {{2}, {0, 0}};
+              })),
               HasSubstr("'value_head.bias' have shape [2], the network needs [1]"));
-  EXPECT_THAT(LoadMessage(Changed([](Safetensors& c) { c.tensors["network.value_head.bias"].values[0] = NAN; })),
+  EXPECT_THAT(LoadMessage(Changed(
+                  [](Safetensors& c) { c.tensors["network.value_head.bias"].values[0] = NAN; })),
               HasSubstr("are not finite"));
 }
 
 TEST_F(SavedPolicy, CudaThatIsNotThereIsAnError) {
-  EXPECT_THAT(MessageOf([] { LoadAgent(file_.string(), {sand_, {}, 0.1, "cuda"}); }),
+  EXPECT_THAT(MessageOf([] {
+                LoadAgent(file_.string(), {sand_, {}, 0.1, "cuda"});
+              }),
               ::testing::AnyOf(HasSubstr("no CUDA device works here"), HasSubstr("no error")));
 }
 

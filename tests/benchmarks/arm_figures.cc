@@ -56,11 +56,14 @@ nlohmann::json KinematicsFigures() {
   for (const auto& X : poses)
     for (const auto& s : arm.Inverse(X)) {
       ++solutions;
-      if (!s.near_singular) worst = std::max(worst, (arm.Forward(s.q).matrix() - X.matrix()).cwiseAbs().maxCoeff());
+      if (!s.near_singular)
+        worst = std::max(worst, (arm.Forward(s.q).matrix() - X.matrix()).cwiseAbs().maxCoeff());
     }
   volatile size_t sink = 0;
-  const double ik_s = BestSeconds(2000, [&](int i) { sink = sink + arm.Inverse(poses[static_cast<size_t>(i)]).size(); });
-  return {{"ik_all_branches_us", ik_s * 1e6}, {"ik_worst_error_m", worst},
+  const double ik_s = BestSeconds(
+      2000, [&](int i) { sink = sink + arm.Inverse(poses[static_cast<size_t>(i)]).size(); });
+  return {{"ik_all_branches_us", ik_s * 1e6},
+          {"ik_worst_error_m", worst},
           {"ik_mean_branches", static_cast<double>(solutions) / static_cast<double>(poses.size())}};
 }
 
@@ -69,8 +72,9 @@ nlohmann::json GateFigures(const SafetyGate& gate, const HeightMap& terrain, int
   const Stroke line = TypicalStroke(cell.box.width_m / 2, cell.box.depth_m / 2, 0.3);
   Stroke curve = line;
   curve.degree = 2;
-  curve.control_points_m.insert(curve.control_points_m.begin() + 1,
-                                Eigen::Vector3d(cell.box.width_m / 2, cell.box.depth_m / 2 + 0.04, 0.02));
+  curve.control_points_m.insert(
+      curve.control_points_m.begin() + 1,
+      Eigen::Vector3d(cell.box.width_m / 2, cell.box.depth_m / 2 + 0.04, 0.02));
   const auto time = [&](const Stroke& stroke, GateSampling sampling, int repetitions) {
     return 1e3 * BestSeconds(repetitions, [&](int) { gate.Check(stroke, terrain, sampling); });
   };
@@ -105,7 +109,8 @@ nlohmann::json GateFigures(const SafetyGate& gate, const HeightMap& terrain, int
 }
 
 // Share of headings of a 120 mm stroke around each cell that the gate accepts, as a picture.
-nlohmann::json ReachFigures(const SafetyGate& gate, const HeightMap& terrain, const std::string& picture) {
+nlohmann::json ReachFigures(const SafetyGate& gate, const HeightMap& terrain,
+                            const std::string& picture) {
   constexpr double kCell_m = 0.02, kLength_m = 0.12;
   constexpr int kHeadings = 16, kPixels = 16;
   const Workcell& cell = gate.workcell();
@@ -115,9 +120,11 @@ nlohmann::json ReachFigures(const SafetyGate& gate, const HeightMap& terrain, co
   ParallelFor(rows * columns, 2, [&](int i) {
     const double x = (i % columns + 0.5) * kCell_m, y = (i / columns + 0.5) * kCell_m;
     for (int h = 0; h < kHeadings; ++h) {
-      const auto verdict = gate.Check(TypicalStroke(x, y, 2 * std::numbers::pi * h / kHeadings, kLength_m), terrain,
-                                      GateSampling::kCoarse);
-      const bool wall = !verdict.reasons.empty() && verdict.reasons.front().find("box wall") != std::string::npos;
+      const auto verdict =
+          gate.Check(TypicalStroke(x, y, 2 * std::numbers::pi * h / kHeadings, kLength_m), terrain,
+                     GateSampling::kCoarse);
+      const bool wall =
+          !verdict.reasons.empty() && verdict.reasons.front().find("box wall") != std::string::npos;
       accepted[static_cast<size_t>(i)] += verdict.accepted;
       fits[static_cast<size_t>(i)] += !wall;
     }
@@ -138,17 +145,24 @@ nlohmann::json ReachFigures(const SafetyGate& gate, const HeightMap& terrain, co
   cv::copyMakeBorder(colour, colour, 50, below, 20, 20, cv::BORDER_CONSTANT, {255, 255, 255});
   const cv::Point at(20 + static_cast<int>(base.x() / kCell_m * kPixels),
                      50 + rows * kPixels + static_cast<int>(-base.y() / kCell_m * kPixels));
-  cv::circle(colour, at, static_cast<int>(0.075 / kCell_m * kPixels), {120, 90, 60}, cv::FILLED, cv::LINE_AA);
+  cv::circle(colour, at, static_cast<int>(0.075 / kCell_m * kPixels), {120, 90, 60}, cv::FILLED,
+             cv::LINE_AA);
   const auto write = [&](const std::string& text, cv::Point where) {
     cv::putText(colour, text, where, cv::FONT_HERSHEY_SIMPLEX, 0.6, {40, 40, 40}, 1, cv::LINE_AA);
   };
   const double cells = static_cast<double>(rows) * columns * kHeadings;
-  write(fmt::format("120 mm strokes, 16 headings a cell: {:.1f} % of all, {:.1f} % of those inside the walls",
-                    100 * all / cells, 100.0 * all / inside), {20, 30});
+  write(
+      fmt::format(
+          "120 mm strokes, 16 headings a cell: {:.1f} % of all, {:.1f} % of those inside the walls",
+          100 * all / cells, 100.0 * all / inside),
+      {20, 30});
   write("UR10 base", at + cv::Point(80, 5));
   WritePicture(colour, picture);
-  return {{"reachable_share_of_box", all / cells}, {"reachable_share_of_what_the_walls_allow", 1.0 * all / inside},
-          {"reach_stroke_length_m", kLength_m}, {"reach_cell_m", kCell_m}, {"reach_headings", kHeadings}};
+  return {{"reachable_share_of_box", all / cells},
+          {"reachable_share_of_what_the_walls_allow", 1.0 * all / inside},
+          {"reach_stroke_length_m", kLength_m},
+          {"reach_cell_m", kCell_m},
+          {"reach_headings", kHeadings}};
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Steps a second of the shaping environment: random strokes on generated tasks of the 300 x 300 mm bed.
+// Steps a second of the shaping environment: random strokes on
+// generated tasks of the 300 x 300 mm bed.
 //
 //   env_speed OUT.json
 #include <spdlog/fmt/fmt.h>
@@ -59,7 +60,8 @@ void Main(const char* file) {
   if (getloadavg(&load, 1) != 1) load = -1;
   nlohmann::json rows = nlohmann::json::array();
   const SafetyGate gate(LoadWorkcell(SANDWRIGHT_ROOT "/configs/workcell_small.yaml"));
-  const auto measure = [&](const SandModel& sand, double cell_size_m, const SafetyGate* with, int threads) {
+  const auto measure = [&](const SandModel& sand, double cell_size_m, const SafetyGate* with,
+                           int threads) {
     TaskConfig tasks;
     tasks.cell_size_m = cell_size_m;
     ShapingEnv env({}, {.sand = sand, .gate = with, .threads = threads}, TasksFrom(tasks));
@@ -86,8 +88,9 @@ void Main(const char* file) {
     measure(StillSand(), 0.01, &gate, threads);
   }
   const nlohmann::json result = {{"command", "env_speed docs/results/env.json"},
-                                 {"what", "ShapingEnv::Step, random actions, 32 environments, budget 10, "
-                                          "tasks generated at each reset; median of 5 runs of 2 s"},
+                                 {"what",
+                                  "ShapingEnv::Step, random actions, 32 environments, budget 10, "
+                                  "tasks generated at each reset; median of 5 runs of 2 s"},
                                  {"machine", MachineDescription()},
                                  {"load_average", load},  // much above 1: read per_cpu_second
                                  {"commit", BuildCommit()},

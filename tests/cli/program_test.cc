@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "data/base/atomic_file.h"
+#include "data/depth_frame.h"
 #include "data/height_map.h"
 #include "data/stroke_dataset.h"
 #include "data/task.h"
@@ -17,6 +18,7 @@ namespace sandwright {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Field;
 using ::testing::HasSubstr;
 
 struct Finished {
@@ -25,8 +27,9 @@ struct Finished {
 };
 
 // SANDWRIGHT_PROGRAM comes from CMake.
-Finished Invoke(const std::string& arguments, const std::string& before = "") {
-  const std::string line = before + SANDWRIGHT_PROGRAM " " + arguments + " 2>&1";
+Finished Invoke(const std::string& arguments, const std::string& before = "",
+                const std::string& behind = "") {
+  const std::string line = before + SANDWRIGHT_PROGRAM " " + arguments + behind + " 2>&1";
   FILE* pipe = ::popen(line.c_str(), "r");
   std::string output;
   std::array<char, 4096> buffer;
@@ -39,8 +42,9 @@ Finished Invoke(const std::string& arguments, const std::string& before = "") {
 class ProgramTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              ("program_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ =
+        std::filesystem::path(::testing::TempDir()) /
+        ("program_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }
@@ -58,18 +62,20 @@ class ProgramTest : public ::testing::Test {
 TEST_F(ProgramTest, HelpNamesEverySubcommandAndItsKeys) {
   const Finished help = Invoke("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* name : {"scan", "collect", "fit", "score", "simulate", "train", "eval", "tasks", "plan",
-                           "check", "export", "demo"}) {
+  for (const char* name : {"scan", "collect", "fit", "score", "simulate", "train", "eval", "tasks",
+                           "plan", "check", "export", "demo"}) {
     EXPECT_THAT(help.output, HasSubstr(name));
     EXPECT_EQ(Invoke(std::string(name) + " --help").exit_code, 0) << name;
   }
-  EXPECT_THAT(Invoke("tasks --help").output, AllOf(HasSubstr("--seed"), HasSubstr("--json"), HasSubstr("tasks.difficulty_low_m")));
+  EXPECT_THAT(Invoke("tasks --help").output,
+              AllOf(HasSubstr("--seed"), HasSubstr("--json"), HasSubstr("tasks.difficulty_low_m")));
 }
 
 TEST_F(ProgramTest, BadUsageExitsWith2AndNamesTheCure) {
   EXPECT_EQ(Invoke("").exit_code, 2);
   EXPECT_EQ(Invoke("frobnicate").exit_code, 2);
-  const Finished unknown = Invoke("tasks --generate --out " + Path("t.h5") + " tasks.dificulty_low_m=0.1");
+  const Finished unknown =
+      Invoke("tasks --generate --out " + Path("t.h5") + " tasks.dificulty_low_m=0.1");
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.output, HasSubstr("did you mean 'tasks.difficulty_low_m'?"));
   const Finished range = Invoke("tasks --generate --out " + Path("t.h5") + " tasks.max_strokes=0");
@@ -86,8 +92,8 @@ TEST_F(ProgramTest, UnwritableOutputIsNamedAndNothingIsLeft) {
 }
 
 TEST_F(ProgramTest, ResultsCarryConfigSeedAndMachine) {
-  const Finished run = Invoke("tasks --generate --count 2 --seed 5 --out " + Path("t.h5") + " --json " +
-                           Path("r.json") + " tasks.max_strokes=7");
+  const Finished run = Invoke("tasks --generate --count 2 --seed 5 --out " + Path("t.h5") +
+                              " --json " + Path("r.json") + " tasks.max_strokes=7");
   ASSERT_EQ(run.exit_code, 0) << run.output;
   const auto result = nlohmann::json::parse(ReadFile(Path("r.json")));
   EXPECT_EQ(result["seed"], 5);
@@ -96,26 +102,122 @@ TEST_F(ProgramTest, ResultsCarryConfigSeedAndMachine) {
   EXPECT_EQ(ReadTasks(Path("t.h5")).size(), 2u);
   // The same seed gives the same bytes, whatever the thread count.
   const std::string first = ReadFile(Path("t.h5"));
-  ASSERT_EQ(Invoke("tasks --generate --count 2 --seed 5 --threads 1 --out " + Path("t.h5") + " tasks.max_strokes=7").exit_code, 0);
+  ASSERT_EQ(Invoke("tasks --generate --count 2 --seed 5 --threads 1 --out " + Path("t.h5") +
+                   " tasks.max_strokes=7")
+                .exit_code,
+            0);
   EXPECT_EQ(ReadFile(Path("t.h5")), first);
 }
 
 TEST_F(ProgramTest, AFailedRunReplacesNothing) {
   WriteFileAtomically(Path("terrain.h5"), "not a height map");
   WriteFileAtomically(Path("t.h5"), "precious");
-  const Finished run = Invoke("tasks --terrain " + Path("terrain.h5") + " --goals mound --out " + Path("t.h5"));
+  const Finished run =
+      Invoke("tasks --terrain " + Path("terrain.h5") + " --goals mound --out " + Path("t.h5"));
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.output, HasSubstr("terrain.h5: not an HDF5 file"));
   EXPECT_EQ(ReadFile(Path("t.h5")), "precious");
 }
 
+TEST_F(ProgramTest, ConfigurationFilesAreCheckedAndOverridden) {
+  const std::string flags = "tasks --generate --count 1 --out " + Path("t.h5") + " --config ";
+  EXPECT_THAT(
+      Invoke(flags + Path("none.yaml")),
+      AllOf(Field(&Finished::exit_code, 2), Field(&Finished::output, HasSubstr("none.yaml"))));
+  WriteFileAtomically(Path("c.yaml"), "tasks: {cell_size: 0.01}\n");
+  EXPECT_THAT(Invoke(flags + Path("c.yaml")),
+              AllOf(Field(&Finished::exit_code, 2),
+                    Field(&Finished::output, HasSubstr("did you mean 'tasks.cell_size_m'?"))));
+  WriteFileAtomically(Path("c.yaml"), "tasks: {max_strokes: 5, cell_size_m: 0.02}\n");
+  ASSERT_EQ(Invoke(flags + Path("c.yaml") + " tasks.max_strokes=6").exit_code, 0);
+  EXPECT_EQ(ReadTasks(Path("t.h5"))[0].max_strokes, 6);
+  EXPECT_EQ(ReadTasks(Path("t.h5"))[0].terrain.cell_size_m, 0.02);
+}
+
+TEST_F(ProgramTest, UnwritableResultsAreSaidBeforeTheWork) {
+  const Finished json =
+      Invoke("tasks --generate --out " + Path("t.h5") + " --json " + Path("no/r.json"));
+  EXPECT_EQ(json.exit_code, 2);
+  EXPECT_THAT(json.output, HasSubstr("no/r.json"));
+  EXPECT_THAT(Files(), ::testing::IsEmpty());
+  WriteFileAtomically(Path("file"), "in the way");
+  EXPECT_THAT(
+      Invoke("collect --strokes 1 --out " + Path("file/beds")),
+      AllOf(Field(&Finished::exit_code, 2), Field(&Finished::output, HasSubstr("file/beds"))));
+  EXPECT_THAT(
+      Invoke("demo --out " + Path("file/demo")),
+      AllOf(Field(&Finished::exit_code, 2), Field(&Finished::output, HasSubstr("file/demo"))));
+}
+
+TEST_F(ProgramTest, BadStrokesAreNamedAndUnsafeOnesRefused) {
+  WriteHeightMap(HeightMap(80, 120, 0.01, 0.05f), Path("bed.h5"));
+  const auto plan = [&](const std::string& points) {
+    WriteFileAtomically(Path("plan.yaml"),
+                        "schema: sandwright-plan\nschema_version: 1\nframe: box\nstrokes:\n"
+                        "  - {control_points_m: [" +
+                            points + "], degree: 1, speed_mps: 0.1}\n");
+  };
+  const auto simulate = [&](const std::string& points) {
+    plan(points);
+    return Invoke("simulate --terrain " + Path("bed.h5") + " --strokes " + Path("plan.yaml") +
+                  " --out " + Path("after.h5"));
+  };
+  const std::string a = "[0.5, 0.4, 0.03]", b = "[0.6, 0.4, 0.03]";
+  for (const auto& [points, message] : {std::pair{a, "has 1 points; allowed: 2..4"},
+                                        {a + "," + b + "," + a + "," + b + "," + a, "has 5 points"},
+                                        {a + "," + a, "points 0 and 1 are 0 m apart"},
+                                        {a + ", [.nan, 0.4, 0.03]", "must be finite"}}) {
+    const Finished run = simulate(points);
+    EXPECT_EQ(run.exit_code, 2) << message;
+    EXPECT_THAT(run.output, AllOf(HasSubstr("strokes[0]"), HasSubstr(message)));
+  }
+  EXPECT_FALSE(std::filesystem::exists(Path("after.h5")));
+
+  for (const auto& [points, reason] :
+       {std::pair{a + ", [0.7, 0.4, -0.004]", "below the box floor"},
+        {"[1.1, 0.4, 0.03], [1.25, 0.4, 0.03]", "beyond the box wall"}}) {
+    plan(points);
+    const std::string before = ReadFile(Path("plan.yaml"));
+    const Finished run =
+        Invoke("check --seal --plan " + Path("plan.yaml") + " --terrain " + Path("bed.h5") +
+               " --workcell " SANDWRIGHT_ROOT "/configs/workcell.yaml --json " + Path("r.json"));
+    EXPECT_EQ(run.exit_code, 3) << run.output;
+    const auto result = nlohmann::json::parse(ReadFile(Path("r.json")));
+    EXPECT_EQ(result["accepted"], false);
+    EXPECT_THAT(result["reasons"].dump(), HasSubstr(reason));
+    EXPECT_EQ(ReadFile(Path("plan.yaml")), before);
+  }
+}
+
+TEST_F(ProgramTest, BadDepthFramesAreNamedAndOthersRefused) {
+  const auto scan = [&](const DepthFrame& frame) {
+    WriteDepthFrame(frame, Path("frame.png"));
+    return Invoke("scan --depth " + Path("frame.png") + " --out " + Path("bed.h5") + " --json " +
+                  Path("r.json"));
+  };
+  EXPECT_THAT(
+      scan({64, 48, std::vector<float>(64 * 48, 1.2f)}),
+      AllOf(Field(&Finished::exit_code, 2), Field(&Finished::output, HasSubstr("64 x 48 px"))));
+  EXPECT_THAT(scan({512, 424, std::vector<float>(512 * 424, 0)}),
+              AllOf(Field(&Finished::exit_code, 2),
+                    Field(&Finished::output, HasSubstr("every pixel is 0"))));
+  EXPECT_FALSE(std::filesystem::exists(Path("r.json")));
+  EXPECT_EQ(scan({512, 424, std::vector<float>(512 * 424, 2)}).exit_code, 3);
+  const auto result = nlohmann::json::parse(ReadFile(Path("r.json")));
+  EXPECT_EQ(result["accepted"], false);
+  EXPECT_FALSE(result["reasons"].empty());
+  EXPECT_FALSE(std::filesystem::exists(Path("bed.h5")));
+}
+
 TEST_F(ProgramTest, CollectKeepsWhatIsDoneAndContinuesToTheSameBytes) {
-  const std::string flags = "collect --source heightfield --strokes 600 --sequence 6 --seed 3 --threads 1 --out ";
-  // Interrupted in the middle (SIGINT after a while), then continued.
-  const Finished first = Invoke(flags + Path("a"), "timeout -s INT 2 ");
-  EXPECT_THAT(first.exit_code, ::testing::AnyOf(130, 124, 0)) << first.output;
-  const size_t kept = Files().empty() ? 0 : FindStrokeFiles({Path("a")}).size();
-  EXPECT_GE(kept, 1u);
+  const std::string flags =
+      "collect --source heightfield --strokes 300 --sequence 6 --seed 3 --threads 1 --out ";
+  // Ctrl-C as soon as the third bed is begun (or after half a minute, in vain).
+  const std::string wait = " & run=$!; for i in $(seq 3000); do [ -e " + Path("a/bed_00002.h5") +
+                           " ] && break; sleep 0.01; done; kill -INT $run; wait $run )";
+  const Finished first = Invoke(flags + Path("a"), "( ", wait);
+  EXPECT_EQ(first.exit_code, 130) << first.output;
+  EXPECT_LT(FindStrokeFiles({Path("a")}).size(), 50u);
   for (const auto& file : FindStrokeFiles({Path("a")})) EXPECT_NO_THROW(ReadStrokeFile(file));
   ASSERT_EQ(Invoke(flags + Path("a")).exit_code, 0);
   ASSERT_EQ(Invoke(flags + Path("b")).exit_code, 0);

@@ -94,13 +94,15 @@ TEST_F(AtomicFileTest, WithoutCommitTheOldFileStays) {
 
 TEST_F(AtomicFileTest, UnwritableTargetsAreNamed) {
   EXPECT_THAT([&] { WriteFileAtomically(folder_ / "none" / "a.txt", "x"); },
-              ::testing::Throws<Error>(::testing::Property(&Error::what, ::testing::HasSubstr("none/a.txt"))));
+              ::testing::Throws<Error>(
+                  ::testing::Property(&Error::what, ::testing::HasSubstr("none/a.txt"))));
   EXPECT_THROW(WriteFileAtomically(folder_, "x"), Error);
   EXPECT_THROW(ReadFile(folder_ / "missing"), Error);
 }
 
 TEST(ErrorTest, RefusalListsItsReasons) {
-  const Error refusal("not sand", std::vector<std::string>{"too rough: 30 mm (limit 5 mm)", "no walls"});
+  const Error refusal("not sand",
+                      std::vector<std::string>{"too rough: 30 mm (limit 5 mm)", "no walls"});
   EXPECT_EQ(refusal.kind(), ErrorKind::kRefused);
   EXPECT_EQ(refusal.reasons().size(), 2u);
   EXPECT_THAT(refusal.what(), ::testing::HasSubstr("too rough"));
@@ -109,7 +111,8 @@ TEST(ErrorTest, RefusalListsItsReasons) {
 TEST(ErrorTest, ChecksPrintTheirValues) {
   const int rows = 3;
   EXPECT_THAT([&] { SAND_CHECK(rows == 4, rows); },
-              ::testing::Throws<Error>(::testing::Property(&Error::what, ::testing::HasSubstr("rows == 4 [3]"))));
+              ::testing::Throws<Error>(
+                  ::testing::Property(&Error::what, ::testing::HasSubstr("rows == 4 [3]"))));
 }
 
 TEST(ParallelForTest, VisitsEachOnceAndRethrows) {
@@ -117,7 +120,11 @@ TEST(ParallelForTest, VisitsEachOnceAndRethrows) {
   ParallelFor(1000, 4, [&](int i) { ++visits[static_cast<size_t>(i)]; });
   EXPECT_EQ(std::accumulate(visits.begin(), visits.end(), 0), 1000);
   EXPECT_THAT(visits, ::testing::Each(1));
-  EXPECT_THROW(ParallelFor(10, 2, [](int i) { if (i == 5) throw Error("five"); }), Error);
+  EXPECT_THROW(ParallelFor(10, 2,
+                           [](int i) {
+                             if (i == 5) throw Error("five");
+                           }),
+               Error);
   ParallelFor(0, 4, [](int) { FAIL(); });
 }
 

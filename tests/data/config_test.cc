@@ -65,7 +65,8 @@ TEST_F(ConfigTest, UnknownKeySuggestsTheNearest) {
 }
 
 TEST_F(ConfigTest, RangeTypeAndChoiceAreNamed) {
-  EXPECT_THAT([&] { Override("ppo.clip_range=1.5"); }, Fails("ppo.clip_range = 1.5 is not allowed; allowed: 0..1"));
+  EXPECT_THAT([&] { Override("ppo.clip_range=1.5"); },
+              Fails("ppo.clip_range = 1.5 is not allowed; allowed: 0..1"));
   EXPECT_THAT([&] { Override("total_steps=0"); }, Fails("allowed: >= 1"));
   EXPECT_THAT([&] { Override("total_steps=many"); }, Fails("expected a whole number"));
   EXPECT_THAT([&] { Override("ppo.clip_range=.nan"); }, Fails("not allowed"));
@@ -100,6 +101,8 @@ TEST_F(ConfigTest, BadFilesNameTheFile) {
   EXPECT_THAT([&] { LoadYaml(fields_, file); }, Fails("config_test_bad.yaml: not YAML"));
   WriteFileAtomically(file, "ppo:\n  clip_rang: 1\n");
   EXPECT_THAT([&] { LoadYaml(fields_, file); }, Fails("unknown key 'ppo.clip_rang'"));
+  WriteFileAtomically(file, "? [1, 2]\n: 3\n");
+  EXPECT_THAT([&] { LoadYaml(fields_, file); }, Fails("a key must be a word"));
 }
 
 TEST_F(ConfigTest, HelpStatesDefaultAndRange) {

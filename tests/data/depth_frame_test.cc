@@ -49,7 +49,8 @@ TEST(DepthFrame, NamesTheFaultOfBadFiles) {
 }
 
 TEST(DepthFrame, FusesByTheMedianOfTheReadings) {
-  const std::vector<DepthFrame> frames = {{2, 2, {1, 0, 5, 0}}, {2, 2, {2, 0, 1, 0}}, {2, 2, {9, 3, 0, 0}}};
+  const std::vector<DepthFrame> frames = {
+      {2, 2, {1, 0, 5, 0}}, {2, 2, {2, 0, 1, 0}}, {2, 2, {9, 3, 0, 0}}};
   EXPECT_THAT(FuseFrames(frames).depth_m, ElementsAre(2, 3, 3, 0));
   const std::vector<DepthFrame> other = {{2, 1, {1, 1}}, {1, 2, {1, 1}}};
   EXPECT_THAT([&] { FuseFrames(other); }, Fails("2 x 1 and 1 x 2"));
@@ -71,7 +72,11 @@ TEST(PointCloud, RefusesFramesThatDoNotFitTheCamera) {
   CameraModel camera;
   camera.width = 16, camera.height = 8;
   EXPECT_THAT([&] { ToPoints({8, 16, std::vector<float>(128, 1)}, camera); }, Fails("8 x 16 px"));
-  EXPECT_THAT([&] { ToPoints({16, 8, std::vector<float>(128, 0)}, camera); }, Fails("every pixel is 0"));
+  EXPECT_THAT(
+      [&] {
+        ToPoints({16, 8, std::vector<float>(128, 0)}, camera);
+      },
+      Fails("every pixel is 0"));
   EXPECT_THAT([&] { ToPoints({1, 1, {1}}, camera); }, Fails("1 x 1 px"));
 }
 

@@ -14,7 +14,8 @@ namespace {
 HeightMap Slope() {
   HeightMap map(160, 240, 0.005);
   for (int row = 0; row < map.rows; ++row) {
-    for (int column = 0; column < map.columns; ++column) map.At(row, column) = 0.03f + 0.0003f * static_cast<float>(column);
+    for (int column = 0; column < map.columns; ++column)
+      map.At(row, column) = 0.03f + 0.0003f * static_cast<float>(column);
   }
   return map;
 }
@@ -68,8 +69,10 @@ TEST(Excavation, RefusesABoxWithoutRoom) {
     DrawStroke({}, HeightMap(20, 20, 0.005, 0.05f), stream);
     FAIL();
   } catch (const Error& e) {
-    EXPECT_STREQ(e.what(), "box of 0.1 x 0.1 m: strokes of at least 0.04 m, 0.035 m from the walls, need more "
-                           "than 0.11 m");
+    EXPECT_STREQ(
+        e.what(),
+        "box of 0.1 x 0.1 m: strokes of at least 0.04 m, 0.035 m from the walls, need more "
+        "than 0.11 m");
   }
   ExcavationConfig config;
   config.floor_margin_m = 0.2;  // above all sand: nothing can vary in depth, or be that deep

@@ -42,7 +42,8 @@ TEST(HeightMapTest, ResampleKeepsVolumeBothWays) {
   HeightMap map = Plane(6, 12, 0.005);
   map.At(2, 3) += 0.04f;
   const auto volume = [](const HeightMap& m) {
-    return std::accumulate(m.height_m.begin(), m.height_m.end(), 0.0) * m.cell_size_m * m.cell_size_m;
+    return std::accumulate(m.height_m.begin(), m.height_m.end(), 0.0) * m.cell_size_m *
+           m.cell_size_m;
   };
   for (double cell : {0.0025, 0.01, 0.015, 0.0075}) {
     const HeightMap other = Resample(map, cell);
@@ -84,7 +85,8 @@ TEST(HeightMapTest, BadMapsAreNamed) {
   EXPECT_FALSE(std::filesystem::exists(Temp("nan.h5")));
   map.At(1, 2) = std::numeric_limits<float>::infinity();
   EXPECT_THAT([&] { CheckHeightMap(map, "m"); }, Fails("is inf"));
-  EXPECT_THAT([&] { CheckHeightMap(HeightMap(1, 1, 0.01), "tiny"); }, Fails("tiny: the map has 1 x 1"));
+  EXPECT_THAT([&] { CheckHeightMap(HeightMap(1, 1, 0.01), "tiny"); },
+              Fails("tiny: the map has 1 x 1"));
   EXPECT_THAT([&] { CheckHeightMap(HeightMap(2, 2, 0), "cell"); }, Fails("cell_size_m = 0"));
 }
 
@@ -100,9 +102,32 @@ TEST(HeightMapTest, ForeignFilesAreRefusedByName) {
   EXPECT_THAT([&] { ReadHeightMap(Temp("other.h5")); },
               Fails("schema is \"someone-else\"; expected \"sandwright-heightmap\""));
   WriteHdf5(Temp("new.h5"), [](H5::H5File& f) { WriteSchema(f, "sandwright-heightmap", 2); });
-  EXPECT_THAT([&] { ReadHeightMap(Temp("new.h5")); }, Fails("schema_version of sandwright-heightmap is 2"));
+  EXPECT_THAT([&] { ReadHeightMap(Temp("new.h5")); },
+              Fails("schema_version of sandwright-heightmap is 2"));
   WriteHdf5(Temp("bare.h5"), [](H5::H5File&) {});
   EXPECT_THAT([&] { ReadHeightMap(Temp("bare.h5")); }, Fails("attribute schema is missing"));
+}
+
+TEST(HeightMapTest, BadFilesAreNamed) {
+  const auto write = [](const char* name, std::vector<float> heights, size_t rows, size_t columns) {
+    WriteHdf5(Temp(name), [&](H5::H5File& f) {
+      WriteSchema(f, "sandwright-heightmap", 1);
+      WriteNumber(f, "cell_size_m", 0.01);
+      WriteText(f, "datum", "floor");
+      WriteArray(f, "height_m", heights.data(), rows, columns);
+    });
+  };
+  write("one.h5", {0.05f}, 1, 1);
+  EXPECT_THAT([] { ReadHeightMap(Temp("one.h5")); }, Fails("one.h5: the map has 1 x 1"));
+  write("infinite.h5", {0.05f, 0.05f, std::numeric_limits<float>::infinity(), 0.05f}, 2, 2);
+  EXPECT_THAT([] { ReadHeightMap(Temp("infinite.h5")); }, Fails("row 1, column 0 is inf"));
+  write("mask.h5", {0.05f, 0.05f, 0.05f, 0.05f}, 2, 2);
+  {
+    H5::H5File h5(Temp("mask.h5"), H5F_ACC_RDWR);
+    const std::vector<uint8_t> mask(6, 1);
+    WriteArray(h5, "mask", mask.data(), 2, 3);
+  }
+  EXPECT_THAT([] { ReadHeightMap(Temp("mask.h5")); }, Fails("dataset mask is 2 x 3"));
 }
 
 TEST(TaskTest, RoundTripAndGoalError) {
@@ -139,6 +164,28 @@ TEST(TaskTest, BadTasksAreNamed) {
   EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("max_strokes = 0"));
   task.goal = Plane(4, 5, 0.01);
   EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("they must be equal"));
+}
+
+TEST(TaskTest, ForeignAndDamagedFilesAreNamed) {
+  EXPECT_THAT([] { ReadTasks("missing.h5"); }, Fails("missing.h5: no such file"));
+  WriteHeightMap(Plane(4, 4, 0.01), Temp("map.h5"));
+  EXPECT_THAT([] { ReadTasks(Temp("map.h5")); },
+              Fails("schema is \"sandwright-heightmap\"; expected \"sandwright-tasks\""));
+  WriteHdf5(Temp("new_tasks.h5"), [](H5::H5File& f) { WriteSchema(f, "sandwright-tasks", 2); });
+  EXPECT_THAT([] { ReadTasks(Temp("new_tasks.h5")); },
+              Fails("schema_version of sandwright-tasks is 2"));
+  Task task{Plane(40, 40, 0.01), Plane(40, 40, 0.01), 7};
+  task.goal.mask.assign(1600, 1);
+  WriteTasks({task}, Temp("whole_tasks.h5"));
+  const std::string bytes = ReadFile(Temp("whole_tasks.h5"));
+  WriteFileAtomically(Temp("cut_tasks.h5"), bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT([] { ReadTasks(Temp("cut_tasks.h5")); }, Fails("cut off"));
+  H5::H5File h5(Temp("whole_tasks.h5"), H5F_ACC_RDWR);
+  const std::vector<float> heights(1600, std::numeric_limits<float>::quiet_NaN());
+  h5.openDataSet("/tasks/00000/terrain_m").write(heights.data(), H5::PredType::NATIVE_FLOAT);
+  h5.close();
+  EXPECT_THAT([] { ReadTasks(Temp("whole_tasks.h5")); },
+              Fails("/tasks/00000/terrain_m: height_m at row 0"));
 }
 
 TEST(TaskTest, NanInAGoalFileMeansNotCounted) {

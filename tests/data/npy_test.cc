@@ -38,13 +38,15 @@ std::string Npy(const std::string& header, const std::string& data, int major = 
 // A zip file with one member, without checksums (which reading does not ask for).
 std::string Zip(const std::string& name, const std::string& packed, size_t size, int method) {
   const std::string sizes = Bytes(0, 4) + Bytes(packed.size(), 4) + Bytes(size, 4);
-  const std::string local = "PK\x03\x04" + Bytes(20, 2) + Bytes(0, 2) + Bytes(static_cast<uint64_t>(method), 2) +
-                            Bytes(0, 4) + sizes + Bytes(name.size(), 2) + Bytes(0, 2) + name + packed;
+  const std::string local = "PK\x03\x04" + Bytes(20, 2) + Bytes(0, 2) +
+                            Bytes(static_cast<uint64_t>(method), 2) + Bytes(0, 4) + sizes +
+                            Bytes(name.size(), 2) + Bytes(0, 2) + name + packed;
   const std::string directory = "PK\x01\x02" + Bytes(20, 2) + Bytes(20, 2) + Bytes(0, 2) +
                                 Bytes(static_cast<uint64_t>(method), 2) + Bytes(0, 4) + sizes +
-                                Bytes(name.size(), 2) + Bytes(0, 2) + Bytes(0, 2) + Bytes(0, 8) + Bytes(0, 4) + name;
-  return local + directory + "PK\x05\x06" + Bytes(0, 4) + Bytes(1, 2) + Bytes(1, 2) + Bytes(directory.size(), 4) +
-         Bytes(local.size(), 4) + Bytes(0, 2);
+                                Bytes(name.size(), 2) + Bytes(0, 2) + Bytes(0, 2) + Bytes(0, 8) +
+                                Bytes(0, 4) + name;
+  return local + directory + "PK\x05\x06" + Bytes(0, 4) + Bytes(1, 2) + Bytes(1, 2) +
+         Bytes(directory.size(), 4) + Bytes(local.size(), 4) + Bytes(0, 2);
 }
 
 std::string Deflate(const std::string& plain) {
@@ -89,7 +91,8 @@ TEST(Npy, ReadsWhatItWrites) {
 }
 
 TEST(Npy, ReadsSignedNumbers) {
-  WriteFileAtomically(Temp("i4.npy"), Npy("{'shape': (1,), 'fortran_order': False, 'descr': '<i4'}", "\xfe\xff\xff\xff"));
+  WriteFileAtomically(Temp("i4.npy"), Npy("{'shape': (1,), 'fortran_order': False, 'descr': '<i4'}",
+                                          "\xfe\xff\xff\xff"));
   EXPECT_THAT(ReadNumpy(Temp("i4.npy")).values, ElementsAre(-2));
 }
 
@@ -99,7 +102,8 @@ TEST(Npy, ReadsArchivesStoredAndDeflated) {
   WriteFileAtomically(Temp("packed.npz"), Zip("heights.npy", Deflate(npy), npy.size(), 8));
   EXPECT_THAT(ReadNumpy(Temp("stored.npz")).values, ElementsAre(1, 2, 3, 4, 5, 256));
   EXPECT_THAT(ReadNumpy(Temp("packed.npz"), "heights").values, ElementsAre(1, 2, 3, 4, 5, 256));
-  EXPECT_THAT(ReadNumpy(Temp("packed.npz")).values, ElementsAre(1, 2, 3, 4, 5, 256));  // the only member
+  EXPECT_THAT(ReadNumpy(Temp("packed.npz")).values,
+              ElementsAre(1, 2, 3, 4, 5, 256));  // the only member
 }
 
 TEST(Npy, NamesTheFaultOfBadFiles) {
@@ -114,16 +118,20 @@ TEST(Npy, NamesTheFaultOfBadFiles) {
   EXPECT_THAT(read(npy.substr(0, npy.size() - 1)), Fails("cut off"));
   EXPECT_THAT(read(npy.substr(0, 40)), Fails("cut off"));
   EXPECT_THAT(read(Npy(kHeader, kData, 4)), Fails("format 4.0"));
-  EXPECT_THAT(read(Npy("{'descr': '<c16', 'fortran_order': False, 'shape': (1,)}", kData)), Fails("'<c16'"));
-  EXPECT_THAT(read(Npy("{'descr': '>u2', 'fortran_order': False, 'shape': (1,)}", kData)), Fails("'>u2'"));
-  EXPECT_THAT(read(Npy("{'descr': '<u2', 'fortran_order': True, 'shape': (2, 3)}", kData)), Fails("Fortran"));
+  EXPECT_THAT(read(Npy("{'descr': '<c16', 'fortran_order': False, 'shape': (1,)}", kData)),
+              Fails("'<c16'"));
+  EXPECT_THAT(read(Npy("{'descr': '>u2', 'fortran_order': False, 'shape': (1,)}", kData)),
+              Fails("'>u2'"));
+  EXPECT_THAT(read(Npy("{'descr': '<u2', 'fortran_order': True, 'shape': (2, 3)}", kData)),
+              Fails("Fortran"));
   EXPECT_THAT(read(Npy("{'descr': '<u2', 'fortran_order': False, 'shape': (99999, 99999)}", kData)),
               Fails("too large"));
   EXPECT_THAT(read(Npy("[]", kData)), Fails("header"));
 
   const std::string zip = Zip("arr_0.npy", npy, npy.size(), 0), deflated = Deflate(npy);
   EXPECT_THAT(read(zip.substr(0, zip.size() - 30)), Fails("cut off"));
-  EXPECT_THAT(read(Zip("arr_0.npy", deflated.substr(0, deflated.size() / 2), npy.size(), 8)), Fails("damaged"));
+  EXPECT_THAT(read(Zip("arr_0.npy", deflated.substr(0, deflated.size() / 2), npy.size(), 8)),
+              Fails("damaged"));
   EXPECT_THAT(read(Zip("arr_0.npy", npy, npy.size(), 12)), Fails("method 12"));
   WriteFileAtomically(Temp("other.npz"), Zip("other.npy", npy, npy.size(), 0));
   EXPECT_THAT([] { ReadNumpy(Temp("other.npz"), "arr_0"); }, Fails("it holds: other.npy"));

@@ -22,7 +22,8 @@ const Blade kBlade;
 
 HeightMap Flat() { return HeightMap(20, 30, 0.01, 0.05f); }
 
-Stroke Decode(const Action& action, const HeightMap& sensed = Flat(), const Region& region = kWhole) {
+Stroke Decode(const Action& action, const HeightMap& sensed = Flat(),
+              const Region& region = kWhole) {
   return DecodeAction(action, sensed, region, kBlade, kSpeed_mps);
 }
 

@@ -20,8 +20,9 @@ HeightMap Dunes() {
   for (int j = 0; j < bed.rows; ++j) {
     for (int i = 0; i < bed.columns; ++i) {
       const double x = (i + 0.5) * 0.005, y = (j + 0.5) * 0.005;
-      bed.At(j, i) = static_cast<float>(0.06 + 0.015 * std::sin(turn * x / 0.4) * std::cos(turn * y / 0.3) +
-                                        0.008 * std::sin(turn * (x + y) / 0.17));
+      bed.At(j, i) =
+          static_cast<float>(0.06 + 0.015 * std::sin(turn * x / 0.4) * std::cos(turn * y / 0.3) +
+                             0.008 * std::sin(turn * (x + y) / 0.17));
     }
   }
   return bed;
@@ -56,7 +57,8 @@ TEST(DepthCamera, SeesFlatSandWallsAndTableWhereTheyAre) {
 TEST(DepthCamera, FindsSlopesToTheResolution) {
   HeightMap bed(160, 240, 0.005);
   for (int j = 0; j < bed.rows; ++j)
-    for (int i = 0; i < bed.columns; ++i) bed.At(j, i) = static_cast<float>(0.1 * (i + 0.5) * 0.005);
+    for (int i = 0; i < bed.columns; ++i)
+      bed.At(j, i) = static_cast<float>(0.1 * (i + 0.5) * 0.005);
   const DepthCamera camera(CameraModel{}, CameraAbove(1.2, 0.8, 1.35), Perfect());
   RandomStream stream(1);
   const DepthFrame frame = camera.Render(bed, stream);
@@ -94,8 +96,9 @@ TEST(DepthCamera, SameStreamSameFrameAndTheNextDiffers) {
 TEST(DepthCamera, RefusesACameraBelowTheRim) {
   const DepthCamera camera(CameraModel{}, CameraAbove(1.2, 0.8, 0.1));
   RandomStream stream(1);
-  EXPECT_THAT([&] { camera.Render(Dunes(), stream); },
-              ::testing::Throws<Error>(::testing::Property(&Error::what, HasSubstr("0.100 m above"))));
+  EXPECT_THAT(
+      [&] { camera.Render(Dunes(), stream); },
+      ::testing::Throws<Error>(::testing::Property(&Error::what, HasSubstr("0.100 m above"))));
 }
 
 // Terrain -> frame -> scan -> height map. Measured: 0.36 mm by pose, 0.36 by the rim, 0.45 by the
@@ -128,7 +131,8 @@ TEST(DepthCamera, ScanTakesOutTheCamerasTilt) {
   const DepthFrame frame = DepthCamera(CameraModel{}, X_BC).Render(bed, stream);
   ScanConfig config;
   config.level = "rim";
-  const ScanResult scan = ScanDepth({&frame, 1}, CameraModel{}, config, {Eigen::Vector2d(1.2, 0.8), std::nullopt, 0.06});
+  const ScanResult scan = ScanDepth({&frame, 1}, CameraModel{}, config,
+                                    {Eigen::Vector2d(1.2, 0.8), std::nullopt, 0.06});
   ASSERT_TRUE(scan.accepted) << scan.reasons.front();
   EXPECT_NEAR(scan.tilt_removed_deg, 0.06 * 180 / std::numbers::pi, 0.1);
   EXPECT_LT(Rmse(scan.map, bed), 0.0008);

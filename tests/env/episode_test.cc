@@ -50,7 +50,8 @@ std::shared_ptr<Task> MakeTask(int max_strokes = 10) {
   return task;
 }
 
-std::vector<EpisodeState> Start(std::shared_ptr<const Task> task, const EpisodeConfig& config = {}) {
+std::vector<EpisodeState> Start(std::shared_ptr<const Task> task,
+                                const EpisodeConfig& config = {}) {
   return {StartEpisode(StillSand(), std::move(task), config, RandomStream(1))};
 }
 
@@ -63,7 +64,6 @@ Workcell SmallCell() {
   cell.box.depth_m = 0.1;
   return cell;
 }
-
 
 TEST(RegionOf, IsTheMapOrItsPartAroundTheGoal) {
   const auto task = MakeTask();
@@ -81,9 +81,10 @@ TEST(RegionOf, IsTheMapOrItsPartAroundTheGoal) {
   config.region_depth_m = 0.3;  // larger than the box: around its middle
   EXPECT_NEAR(RegionOf(*task, config).y_m, -0.1, 1e-12);
   config.region_width_m = 0.03;
-  EXPECT_THAT([&] { RegionOf(*task, config); },
-              ThrowsMessage<Error>(HasSubstr("the goal counts over 0.040 x 0.030 m; the region "
-                                             "(region_width_m, region_depth_m) is 0.030 x 0.300 m")));
+  EXPECT_THAT(
+      [&] { RegionOf(*task, config); },
+      ThrowsMessage<Error>(HasSubstr("the goal counts over 0.040 x 0.030 m; the region "
+                                     "(region_width_m, region_depth_m) is 0.030 x 0.300 m")));
 }
 
 TEST(StepEpisodes, SuccessTerminates) {
@@ -141,8 +142,9 @@ TEST(StepEpisodes, GateMustBeOfTheSameBladeAndBox) {
   Workcell cell = SmallCell();
   cell.tool.blade.width_m = 0.06;
   const SafetyGate other_blade(cell), other_box{Workcell{}};
-  EXPECT_THAT([&] { StepEpisodes({.sand = flood, .gate = &other_blade}, {}, episodes, kAction); },
-              ThrowsMessage<Error>(HasSubstr("blade is 0.06 x 0.005 m, the sand model's 0.05 x 0.005 m")));
+  EXPECT_THAT(
+      [&] { StepEpisodes({.sand = flood, .gate = &other_blade}, {}, episodes, kAction); },
+      ThrowsMessage<Error>(HasSubstr("blade is 0.06 x 0.005 m, the sand model's 0.05 x 0.005 m")));
   EXPECT_THAT([&] { StepEpisodes({.sand = flood, .gate = &other_box}, {}, episodes, kAction); },
               ThrowsMessage<Error>(HasSubstr("box is 1.2 x 0.8 m, the terrain 0.2 x 0.1 m")));
   EXPECT_EQ(episodes[0].budget_used, 0);

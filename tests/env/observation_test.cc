@@ -83,14 +83,16 @@ TEST(Observation, FinishedTaskShowsNothingToDo) {
 TEST(Observation, OnTheMapsOwnGridCellsKeepTheirValues) {
   const Scene scene = RandomScene();
   const Observation seen = Look(scene, 30, 30);
-  const double mean = std::accumulate(scene.sensed.height_m.begin(), scene.sensed.height_m.end(), 0.0) / 900;
+  const double mean =
+      std::accumulate(scene.sensed.height_m.begin(), scene.sensed.height_m.end(), 0.0) / 900;
   for (int row = 0; row < 30; ++row) {
     for (int column = 0; column < 30; ++column) {
       const size_t i = scene.sensed.Index(row, column);
       const double h = scene.sensed.height_m[i];
       const bool counts = scene.goal.mask[i] != 0;
       EXPECT_NEAR(seen.at(kHeight, row, column), (h - mean) / 0.05, 1e-4);
-      EXPECT_NEAR(seen.at(kDifference, row, column), counts ? (scene.goal.height_m[i] - h) / 0.02 : 0, 1e-4);
+      EXPECT_NEAR(seen.at(kDifference, row, column),
+                  counts ? (scene.goal.height_m[i] - h) / 0.02 : 0, 1e-4);
       EXPECT_NEAR(seen.at(kMask, row, column), counts, 1e-4);
     }
   }
@@ -99,7 +101,8 @@ TEST(Observation, OnTheMapsOwnGridCellsKeepTheirValues) {
 
 TEST(Observation, CoarserCellsAreAreaMeans) {
   const Scene scene = RandomScene();
-  const Observation fine = Look(scene, 30, 30), half = Look(scene, 15, 15), odd = Look(scene, 20, 20);
+  const Observation fine = Look(scene, 30, 30), half = Look(scene, 15, 15),
+                    odd = Look(scene, 20, 20);
   for (int row = 0; row < 15; ++row) {
     for (int column = 0; column < 15; ++column) {
       double sum = 0;
@@ -109,8 +112,8 @@ TEST(Observation, CoarserCellsAreAreaMeans) {
     }
   }
   // Cells of 1.5 map cells: one axis reads [1, 1/2], the next [1/2, 1].
-  const double corner = fine.at(kMask, 0, 0) + 0.5 * fine.at(kMask, 0, 1) + 0.5 * fine.at(kMask, 1, 0) +
-                        0.25 * fine.at(kMask, 1, 1);
+  const double corner = fine.at(kMask, 0, 0) + 0.5 * fine.at(kMask, 0, 1) +
+                        0.5 * fine.at(kMask, 1, 0) + 0.25 * fine.at(kMask, 1, 1);
   EXPECT_NEAR(odd.at(kMask, 0, 0), corner / 2.25, 1e-4);
 }
 
@@ -118,7 +121,8 @@ TEST(Observation, FinerCellsAreBilinear) {
   Scene scene;
   for (int row = 0; row < 30; ++row)
     for (int column = 0; column < 30; ++column)
-      scene.goal.At(row, column) = static_cast<float>(0.05 + 0.0002 * (column + 0.5) + 0.0001 * row);
+      scene.goal.At(row, column) =
+          static_cast<float>(0.05 + 0.0002 * (column + 0.5) + 0.0001 * row);
   const Observation seen = Look(scene, 60, 60);
   for (int row = 1; row < 59; ++row)
     for (int column = 1; column < 59; ++column)
@@ -163,7 +167,8 @@ TEST(Observation, MirroredSandGivesTheMirroredObservation) {
   Scene mirrored = scene;
   for (int row = 0; row < 30; ++row) {
     for (int column = 0; column < 30; ++column) {
-      const size_t from = scene.sensed.Index(row, column), to = scene.sensed.Index(row, 29 - column);
+      const size_t from = scene.sensed.Index(row, column),
+                   to = scene.sensed.Index(row, 29 - column);
       mirrored.sensed.height_m[to] = scene.sensed.height_m[from];
       mirrored.goal.height_m[to] = scene.goal.height_m[from];
       mirrored.goal.mask[to] = scene.goal.mask[from];

@@ -36,7 +36,8 @@ TEST(Reward, CountsTheDropOfTheErrorAndWhatItCost) {
 }
 
 TEST(Reward, HarmIsNegative) {
-  const Reward reward = StrokeReward(Config(), Sand({0.05f, 0.05f, 0, 0}), Sand({0.052f, 0.05f, 0, 0}), Goal());
+  const Reward reward =
+      StrokeReward(Config(), Sand({0.05f, 0.05f, 0, 0}), Sand({0.052f, 0.05f, 0, 0}), Goal());
   EXPECT_NEAR(reward.progress, -2, 1e-5);
 }
 
@@ -47,7 +48,8 @@ TEST(Reward, RejectedStrokeCostsBoth) {
 }
 
 TEST(Reward, ProgressAddsUpToTheWholeDropWhateverTheWay) {
-  const HeightMap start = Sand({0.06f, 0.03f, 0.05f, 0.05f}), detour = Sand({0.09f, 0.01f, 0.05f, 0.05f}),
+  const HeightMap start = Sand({0.06f, 0.03f, 0.05f, 0.05f}),
+                  detour = Sand({0.09f, 0.01f, 0.05f, 0.05f}),
                   end = Sand({0.051f, 0.049f, 0.05f, 0.05f});
   const double direct = StrokeReward(Config(), start, end, Goal()).progress;
   const double two = StrokeReward(Config(), start, detour, Goal()).progress +

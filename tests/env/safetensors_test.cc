@@ -67,8 +67,8 @@ TEST(Safetensors, ReadsTheFormatAsPublished) {
   const float value = 1.5f;
   std::string data(sizeof value, '\0');
   std::memcpy(data.data(), &value, sizeof value);
-  const auto file =
-      Handmade(R"({"x":{"dtype":"F32","shape":[1],"data_offsets":[0,4]},"__metadata__":{"k":"v"}})", data);
+  const auto file = Handmade(
+      R"({"x":{"dtype":"F32","shape":[1],"data_offsets":[0,4]},"__metadata__":{"k":"v"}})", data);
   const Safetensors read = ReadSafetensors(file);
   EXPECT_EQ(read.Tensor("x", "f").values, std::vector<float>{1.5f});
   EXPECT_EQ(read.Metadata("k", "f"), "v");
@@ -90,17 +90,22 @@ TEST(Safetensors, RejectsForeignAndDamagedFiles) {
 }
 
 TEST(Safetensors, RejectsTensorsThatDoNotFit) {
-  EXPECT_THAT(MessageOf(Handmade(R"({"x":{"dtype":"BF16","shape":[2],"data_offsets":[0,4]}})", "1234")),
-              HasSubstr("element type BF16; allowed: F32"));
-  EXPECT_THAT(MessageOf(Handmade(R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,4]}})", "1234")),
-              HasSubstr("do not fit"));
-  EXPECT_THAT(MessageOf(Handmade(R"({"x":{"dtype":"F32","shape":[-1],"data_offsets":[0,4]}})", "1234")),
-              HasSubstr("negative dimension"));
+  EXPECT_THAT(
+      MessageOf(Handmade(R"({"x":{"dtype":"BF16","shape":[2],"data_offsets":[0,4]}})", "1234")),
+      HasSubstr("element type BF16; allowed: F32"));
+  EXPECT_THAT(
+      MessageOf(Handmade(R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,4]}})", "1234")),
+      HasSubstr("do not fit"));
+  EXPECT_THAT(
+      MessageOf(Handmade(R"({"x":{"dtype":"F32","shape":[-1],"data_offsets":[0,4]}})", "1234")),
+      HasSubstr("negative dimension"));
   const std::string huge = "4611686018427387904";  // times 4 bytes overflows 64 bits
-  EXPECT_THAT(MessageOf(Handmade(R"({"x":{"dtype":"F32","shape":[)" + huge + R"(],"data_offsets":[0,0]}})", "")),
+  EXPECT_THAT(MessageOf(Handmade(
+                  R"({"x":{"dtype":"F32","shape":[)" + huge + R"(],"data_offsets":[0,0]}})", "")),
               HasSubstr("larger than the file"));
-  EXPECT_THAT(MessageOf(Handmade(R"({"x":{"dtype":"F32","shape":[1],"data_offsets":[0]}})", "1234")),
-              HasSubstr("do not fit"));
+  EXPECT_THAT(
+      MessageOf(Handmade(R"({"x":{"dtype":"F32","shape":[1],"data_offsets":[0]}})", "1234")),
+      HasSubstr("do not fit"));
 }
 
 TEST(Safetensors, NamesWhatIsMissing) {

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 
+#include "data/base/stop.h"
 #include "data/stroke_dataset.h"
 #include "env/paper_protocol.h"
 
@@ -80,6 +83,35 @@ TEST_F(ScoreModelTest, StillSandExplainsNothing) {
   EXPECT_EQ(json["per_stroke"][2]["class"], "A");
   EXPECT_EQ(json["per_stroke"][2]["cells"], 75 * 75);  // all changed
   EXPECT_FALSE(json.contains("accrued_rmse_mm"));
+}
+
+// Asks to stop as Ctrl-C does, at its second stroke: the first one only warms caches.
+class StoppingSand final : public SandModel {
+ public:
+  std::string name() const override { return "stopping"; }
+  const Blade& blade() const override { return blade_; }
+
+ protected:
+  std::vector<Outcome> ApplyChecked(std::span<SandState> states,
+                                    std::span<const ToolPath>) const override {
+    if (++calls_ == 2) std::raise(SIGINT);
+    return std::vector<Outcome>(states.size());
+  }
+
+ private:
+  Blade blade_;
+  mutable int calls_ = 0;
+};
+
+TEST_F(ScoreModelTest, AStopKeepsTheStrokesSoFar) {
+  const auto files = Write(Sequence(3, 0.002f));
+  EXPECT_EXIT(
+      {
+        InstallStopHandler();
+        const auto json = ScoreModel(StoppingSand(), files, {}).ToJson();
+        std::_Exit(json["stopped"] == true && json["strokes"] == 1 ? 7 : 8);
+      },
+      ::testing::ExitedWithCode(7), "");
 }
 
 TEST_F(ScoreModelTest, RolloutErrorsPileUp) {

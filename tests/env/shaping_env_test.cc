@@ -57,8 +57,9 @@ Trace Record(ShapingEnv& env, uint64_t seed, int steps) {
   append(first.vec);
   for (int k = 0; k < steps; ++k) {
     const StepBatch step = env.Step(RandomActions(env.num_envs(), stream));
-    for (const auto* values : {&step.observation.map, &step.observation.vec, &step.final_observation.map,
-                               &step.final_observation.vec, &step.reward})
+    for (const auto* values :
+         {&step.observation.map, &step.observation.vec, &step.final_observation.map,
+          &step.final_observation.vec, &step.reward})
       append(*values);
     trace.ends.insert(trace.ends.end(), step.terminated.begin(), step.terminated.end());
     trace.ends.insert(trace.ends.end(), step.truncated.begin(), step.truncated.end());
@@ -135,14 +136,17 @@ TEST_P(Conformance, BudgetEndsEpisodesAndTheRowGoesOnAnew) {
 TEST_P(Conformance, RewardsAddUpToTheDropOfTheError) {
   ShapingConfig config = SmallConfig();
   config.random_phase = false;
-  config.episode.reward = {.per_mm = 1, .stroke_cost = 0, .outside_cost_per_cm3 = 0, .rejected_cost = 0};
+  config.episode.reward = {
+      .per_mm = 1, .stroke_cost = 0, .outside_cost_per_cm3 = 0, .rejected_cost = 0};
   ShapingEnv env = Make(config);
   env.Reset(3);
   RandomStream stream(3);
   for (int k = 1; k < 4; ++k) env.Step(RandomActions(5, stream));
   for (const EpisodeSummary& summary : env.Step(RandomActions(5, stream)).finished)
-    EXPECT_NEAR(summary.episode_return, summary.metrics.at("in_goal_mean_diff_start_mm") -
-                                            summary.metrics.at("in_goal_mean_diff_mm"), 1e-9);
+    EXPECT_NEAR(summary.episode_return,
+                summary.metrics.at("in_goal_mean_diff_start_mm") -
+                    summary.metrics.at("in_goal_mean_diff_mm"),
+                1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(SandModels, Conformance, ::testing::Values("none", "heightfield"),
@@ -200,7 +204,8 @@ TEST(ShapingEnv, BadActionThrowsBeforeAnythingChanges) {
   actions[34] = std::nanf("");
   const std::vector<float> before = env.episodes()[0].sand.map().height_m;
   const int used = env.episodes()[0].budget_used;
-  EXPECT_THAT([&] { env.Step(actions); }, ThrowsMessage<Error>(HasSubstr("action[6] (bend) = nan")));
+  EXPECT_THAT([&] { env.Step(actions); },
+              ThrowsMessage<Error>(HasSubstr("action[6] (bend) = nan")));
   EXPECT_EQ(env.episodes()[0].sand.map().height_m, before);
   EXPECT_EQ(env.episodes()[0].budget_used, used);
   EXPECT_THROW(env.Step(std::vector<float>(34)), Error);

@@ -30,7 +30,8 @@ TEST_F(Arm, PerfectServoTracesTheStroke) {
     EXPECT_NEAR(pose.z_m, 0.02, 1e-6);
     EXPECT_NEAR(pose.yaw_rad, 0, 1e-6);
   }
-  for (size_t i = 1; i < done.path.size(); ++i) EXPECT_LT(done.path[i].x_m - done.path[i - 1].x_m, 2e-3);
+  for (size_t i = 1; i < done.path.size(); ++i)
+    EXPECT_LT(done.path[i].x_m - done.path[i - 1].x_m, 2e-3);
 }
 
 TEST_F(Arm, DefaultsStrayByAboutATenthOfAMillimetre) {
@@ -48,7 +49,8 @@ TEST_F(Arm, DefaultsStrayByAboutATenthOfAMillimetre) {
 TEST_F(Arm, SameSeedSameBytesOtherSeedOther) {
   const SimulatedArm arm(cell_);
   RandomStream a(1), b(1), c(2);
-  const auto first = arm.Execute(motion_, a), second = arm.Execute(motion_, b), third = arm.Execute(motion_, c);
+  const auto first = arm.Execute(motion_, a), second = arm.Execute(motion_, b),
+             third = arm.Execute(motion_, c);
   ASSERT_EQ(first.path.size(), second.path.size());
   for (size_t i = 0; i < first.path.size(); ++i) EXPECT_EQ(first.path[i].y_m, second.path[i].y_m);
   EXPECT_NE(first.path[5].y_m, third.path[5].y_m);
@@ -68,7 +70,8 @@ TEST_F(Arm, RecordCoversTheMotionAndComesToRest) {
 TEST_F(Arm, PictureShowsSandAndArmWhereTheMachineCanDraw) {
   try {
     ArmPicture picture(cell_, terrain_, 320, 240);
-    const cv::Mat home = picture.Draw(cell_.home()), moved = picture.Draw(motion_.knots[motion_.path_begin]);
+    const cv::Mat home = picture.Draw(cell_.home()),
+                  moved = picture.Draw(motion_.knots[motion_.path_begin]);
     ASSERT_EQ(home.rows, 240);
     ASSERT_EQ(home.cols, 320);
     EXPECT_GT(cv::norm(home, moved, cv::NORM_L1), 1e4);  // the arm is seen to move

@@ -28,7 +28,8 @@ double SteepestSlope(const HeightMap& map) {
   double steepest = 0;
   const auto slope = [&](int row0, int column0, int row1, int column1) {
     const double run_m = map.cell_size_m * std::hypot(row1 - row0, column1 - column0);
-    steepest = std::max<double>(steepest, std::abs(map.At(row1, column1) - map.At(row0, column0)) / run_m);
+    steepest =
+        std::max<double>(steepest, std::abs(map.At(row1, column1) - map.At(row0, column0)) / run_m);
   };
   for (int row = 0; row + 1 < map.rows; ++row) {
     for (int column = 0; column + 1 < map.columns; ++column) {
@@ -42,8 +43,14 @@ double SteepestSlope(const HeightMap& map) {
 }
 
 GoalShape Shape(GoalKind kind) {
-  return {.kind = kind, .x_m = 0.15, .y_m = 0.15, .heading_rad = 0, .half_length_m = 0.05,
-          .half_width_m = 0.02, .rise_m = 0.02, .slope = 0.4};
+  return {.kind = kind,
+          .x_m = 0.15,
+          .y_m = 0.15,
+          .heading_rad = 0,
+          .half_length_m = 0.05,
+          .half_width_m = 0.02,
+          .rise_m = 0.02,
+          .slope = 0.4};
 }
 
 TEST(Goals, ShapesHaveTheHeightsOfTheirDefinition) {
@@ -71,7 +78,8 @@ TEST(Goals, EveryKindKeepsTheVolumeAndTheSlope) {
   HeightMap terrain(30, 30, 0.01);
   for (int row = 0; row < 30; ++row)
     for (int column = 0; column < 30; ++column)
-      terrain.At(row, column) = static_cast<float>(0.05 + 0.004 * std::sin(0.5 * row) * std::cos(0.4 * column));
+      terrain.At(row, column) =
+          static_cast<float>(0.05 + 0.004 * std::sin(0.5 * row) * std::cos(0.4 * column));
   for (std::string_view name : kGoalNames) {
     const GoalShape shape = Shape(ParseGoalKind(std::string(name)));
     const HeightMap goal = MakeGoal(shape, terrain, kWhole, 1);
@@ -86,7 +94,8 @@ TEST(Goals, MaskIsThePlaceOrTheShapesSurroundings) {
   const HeightMap near = MakeGoal(Shape(GoalKind::kMound), terrain, kWhole, 0.01);
   double cells = 0;
   for (uint8_t m : near.mask) cells += m;
-  EXPECT_NEAR(cells * 1e-4, 3.14159 * 0.08 * 0.08, 1e-3);  // foot at 70 mm and 10 mm around it; 10 cells of the edge
+  EXPECT_NEAR(cells * 1e-4, 3.14159 * 0.08 * 0.08,
+              1e-3);  // foot at 70 mm and 10 mm around it; 10 cells of the edge
   EXPECT_NEAR(MaskedVolumeDifference(terrain, near), 0, 1e-6);
   EXPECT_EQ(near.At(0, 0), 0.05f);  // untouched where it does not count
   const HeightMap place = MakeGoal(Shape(GoalKind::kMound), terrain, {0.1, 0.1, 0.12, 0.1}, 1);
@@ -95,8 +104,9 @@ TEST(Goals, MaskIsThePlaceOrTheShapesSurroundings) {
 
 TEST(Goals, SaysWhatIsWrong) {
   const HeightMap terrain(30, 30, 0.01, 0.01f);
-  EXPECT_THAT([] { ParseGoalKind("hill"); },
-              ThrowsMessage<Error>(HasSubstr("\"hill\" is unknown; allowed: level, mound, crater")));
+  EXPECT_THAT(
+      [] { ParseGoalKind("hill"); },
+      ThrowsMessage<Error>(HasSubstr("\"hill\" is unknown; allowed: level, mound, crater")));
   EXPECT_THAT([&] { MakeGoal(Shape(GoalKind::kCrater), terrain, kWhole, 1); },
               ThrowsMessage<Error>(HasSubstr("the crater goal reaches")));
   GoalShape outside = Shape(GoalKind::kMound);
@@ -150,7 +160,8 @@ TEST(TaskGenerator, GoalTakesItsPlaceInALargerBox) {
     EXPECT_EQ(task.goal.rows, 40);
     EXPECT_EQ(task.goal.columns, 60);
     EXPECT_EQ(std::accumulate(task.goal.mask.begin(), task.goal.mask.end(), 0), 20 * 15);
-    first_cells.insert(static_cast<size_t>(std::ranges::find(task.goal.mask, 1) - task.goal.mask.begin()));
+    first_cells.insert(
+        static_cast<size_t>(std::ranges::find(task.goal.mask, 1) - task.goal.mask.begin()));
   }
   EXPECT_GT(first_cells.size(), 5u);
 }

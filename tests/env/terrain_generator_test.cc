@@ -18,7 +18,8 @@ TEST(TerrainGenerator, MakesNaturalSandAtRest) {
     config.amplitude_m = amplitude_m;
     RandomStream stream(11);
     const HeightMap map = GenerateTerrain(config, 60, 90, 0.005, stream);
-    const double mean = std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0) / static_cast<double>(map.size());
+    const double mean = std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0) /
+                        static_cast<double>(map.size());
     EXPECT_NEAR(mean, 0.05, 1e-6);
     EXPECT_GE(*std::min_element(map.height_m.begin(), map.height_m.end()), 0.01f - 1e-6f);
     double square = 0;
@@ -44,7 +45,8 @@ TEST(TerrainGenerator, FlatIsFlatAndBadValuesAreNamed) {
   config.amplitude_m = 0;
   RandomStream stream(1);
   const HeightMap flat = GenerateTerrain(config, 2, 30, 0.01, stream);
-  EXPECT_TRUE(std::all_of(flat.height_m.begin(), flat.height_m.end(), [](float h) { return h == 0.05f; }));
+  EXPECT_TRUE(
+      std::all_of(flat.height_m.begin(), flat.height_m.end(), [](float h) { return h == 0.05f; }));
   config.repose_deg = 90;
   try {
     GenerateTerrain(config, 20, 20, 0.01, stream);

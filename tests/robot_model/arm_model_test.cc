@@ -23,7 +23,8 @@ TEST(ArmModel, FlangeAgreesWithDenavitHartenberg) {
     const Eigen::Isometry3d X = arm.Forward(q);
     const Eigen::Map<const Eigen::Vector3d> p(data->xpos + 3 * flange);
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(data->xmat + 9 * flange);
-    worst = std::max({worst, (p - X.translation()).cwiseAbs().maxCoeff(), (R - X.linear()).cwiseAbs().maxCoeff()});
+    worst = std::max({worst, (p - X.translation()).cwiseAbs().maxCoeff(),
+                      (R - X.linear()).cwiseAbs().maxCoeff()});
   }
   EXPECT_LT(worst, 1e-12);
 }

@@ -77,7 +77,8 @@ TEST_F(PlanFiles, SealTellsWhatChanged) {
 }
 
 TEST_F(PlanFiles, SealedPlanWithoutAHashIsNamed) {
-  std::ofstream("plan.yaml") << "schema: sandwright-plan\nschema_version: 1\nframe: box\nseal: abc\nstrokes: []\n";
+  std::ofstream("plan.yaml")
+      << "schema: sandwright-plan\nschema_version: 1\nframe: box\nseal: abc\nstrokes: []\n";
   EXPECT_THROW(ReadPlan("plan.yaml"), Error);
 }
 
@@ -86,9 +87,10 @@ TEST_F(PlanFiles, VerdictHasTheKeysOfCheck) {
   EXPECT_TRUE(verdict.accepted) << ::testing::PrintToString(verdict.reasons);
   EXPECT_EQ(verdict.transfers.size(), 3u);
   const auto json = ToJson(verdict, cell_);
-  for (const char* key : {"accepted", "reasons", "strokes", "calibration_hash"}) EXPECT_TRUE(json.contains(key));
-  for (const char* key : {"accepted", "reasons", "duration_s", "peak_joint_speed_share", "min_clearance_m",
-                          "min_singular_value", "branch"})
+  for (const char* key : {"accepted", "reasons", "strokes", "calibration_hash"})
+    EXPECT_TRUE(json.contains(key));
+  for (const char* key : {"accepted", "reasons", "duration_s", "peak_joint_speed_share",
+                          "min_clearance_m", "min_singular_value", "branch"})
     EXPECT_TRUE(json["strokes"][1].contains(key)) << key;
   auto bad = Strokes();
   bad[1].control_points_m[0].z() = -0.01;
@@ -103,7 +105,9 @@ TEST_F(PlanFiles, MotionIsOneFromHomeToHome) {
   JointAngles at = cell_.home();
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_LT((verdict.transfers[i].knots.front().rad - at.rad).norm(), 1e-12);
-    EXPECT_LT((verdict.transfers[i].knots.back().rad - verdict.strokes[i].motion->knots.front().rad).norm(), 1e-12);
+    EXPECT_LT((verdict.transfers[i].knots.back().rad - verdict.strokes[i].motion->knots.front().rad)
+                  .norm(),
+              1e-12);
     at = verdict.strokes[i].motion->knots.back();
   }
   EXPECT_LT((verdict.transfers[2].knots.back().rad - cell_.home().rad).norm(), 1e-12);
@@ -111,14 +115,17 @@ TEST_F(PlanFiles, MotionIsOneFromHomeToHome) {
 
 // To renew the golden file after a wanted change: SANDWRIGHT_RENEW_GOLDEN=1.
 TEST_F(PlanFiles, UrScriptIsTheGoldenFile) {
-  const auto golden = std::filesystem::path(SANDWRIGHT_ROOT) / "tests/robot_model/golden/two_strokes.script";
-  const std::string script = MakeUrScript(Strokes(), CheckPlan(gate_, Strokes(), terrain_), gate_, "two_strokes");
+  const auto golden =
+      std::filesystem::path(SANDWRIGHT_ROOT) / "tests/robot_model/golden/two_strokes.script";
+  const std::string script =
+      MakeUrScript(Strokes(), CheckPlan(gate_, Strokes(), terrain_), gate_, "two_strokes");
   if (std::getenv("SANDWRIGHT_RENEW_GOLDEN")) WriteFileAtomically(golden, script);
   EXPECT_EQ(script, ReadFile(golden));
 }
 
 TEST_F(PlanFiles, UrScriptKeepsTheControllersRules) {
-  const std::string script = MakeUrScript(Strokes(), CheckPlan(gate_, Strokes(), terrain_), gate_, "two_strokes");
+  const std::string script =
+      MakeUrScript(Strokes(), CheckPlan(gate_, Strokes(), terrain_), gate_, "two_strokes");
   std::istringstream lines(script);
   std::string line;
   std::getline(lines, line);
@@ -126,7 +133,8 @@ TEST_F(PlanFiles, UrScriptKeepsTheControllersRules) {
   size_t popups = 0;
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
   double blend = 0;
-  const std::regex pose(R"(move[lp]\(p\[([^,]*), ([^,]*), ([^,]*),.*)"), radius(R"(.*r=([0-9.]+)\))");
+  const std::regex pose(R"(move[lp]\(p\[([^,]*), ([^,]*), ([^,]*),.*)"),
+      radius(R"(.*r=([0-9.]+)\))");
   while (std::getline(lines, line)) {
     popups += line.starts_with("  popup(");
     if (line == "end") break;
@@ -146,7 +154,8 @@ TEST_F(PlanFiles, UrScriptKeepsTheControllersRules) {
   EXPECT_EQ(line, "end");
   EXPECT_EQ(popups, 1u);
   EXPECT_THAT(script, HasSubstr("set_payload(2.200"));
-  EXPECT_EQ(script.find("*"), std::string::npos);  // scalars only: nothing is computed on the controller
+  EXPECT_EQ(script.find("*"),
+            std::string::npos);  // scalars only: nothing is computed on the controller
 }
 
 TEST_F(PlanFiles, UrScriptNamesAreChecked) {

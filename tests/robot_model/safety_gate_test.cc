@@ -41,7 +41,8 @@ TEST_F(Gate, AcceptsATypicalStrokeWithItsFigures) {
   const GateVerdict fine = gate_.Check(stroke, terrain_, GateSampling::kFine);
   ASSERT_TRUE(fine.accepted) << ::testing::PrintToString(fine.reasons);
   EXPECT_TRUE(fine.reasons.empty());
-  // 0.2 m down and up at 0.1 m/s, 0.12 m of path: 5.2 s, three ramps of 0.4 s and smoothings of 0.1 s.
+  // 0.2 m down and up at 0.1 m/s, 0.12 m of path: 5.2 s, three ramps
+  // of 0.4 s and smoothings of 0.1 s.
   EXPECT_NEAR(fine.duration_s, 5.2 + 3 * 0.5, 0.05);
   EXPECT_NEAR(coarse.duration_s, fine.duration_s, 0.05);
   EXPECT_GT(fine.peak_joint_speed_share, 0.05);
@@ -57,17 +58,23 @@ TEST_F(Gate, RefusesBadShapes) {
   ExpectRefused({std::vector<Eigen::Vector3d>(5, {0.6, 0.4, 0.03}), 1, 0.1}, "5 points");
   ExpectRefused(Line({0.6, 0.4, 0.03}, {0.6, 0.4, 0.03}), "apart in the plane");
   ExpectRefused(Line({0.6, kNan, 0.03}, {0.7, 0.4, 0.03}), "must be finite");
-  ExpectRefused(Line({0.4, 0.4, 0.03}, {0.66, 0.4, 0.03}), "control points span 0.260 m along x; limit 0.255 m");
+  ExpectRefused(Line({0.4, 0.4, 0.03}, {0.66, 0.4, 0.03}),
+                "control points span 0.260 m along x; limit 0.255 m");
   ExpectRefused({{{0.6, 0.4, 0.03}, {0.7, 0.4, 0.03}}, 1, 0.3}, "speed 0.300 m/s; limit 0.200 m/s");
-  ExpectRefused({{{0.4, 0.3, 0.03}, {0.6, 0.3001, 0.03}, {0.4, 0.3002, 0.03}}, 2, 0.1}, "curve bends with a radius");
+  ExpectRefused({{{0.4, 0.3, 0.03}, {0.6, 0.3001, 0.03}, {0.4, 0.3002, 0.03}}, 2, 0.1},
+                "curve bends with a radius");
 }
 
 TEST_F(Gate, KeepsTheWholeBladeInsideTheWalls) {
   // Across the path the blade is 50 mm wide: 25 mm and the 5 mm margin from the wall is the limit.
-  EXPECT_TRUE(gate_.Check(Line({0.3, 0.0301, 0.03}, {0.4, 0.0301, 0.03}), terrain_, GateSampling::kFine).accepted);
+  EXPECT_TRUE(
+      gate_.Check(Line({0.3, 0.0301, 0.03}, {0.4, 0.0301, 0.03}), terrain_, GateSampling::kFine)
+          .accepted);
   ExpectRefused(Line({0.3, 0.0299, 0.03}, {0.4, 0.0299, 0.03}), "4.9 mm inside the box wall");
   // Along the path it is 5 mm thick.
-  EXPECT_TRUE(gate_.Check(Line({0.0076, 0.3, 0.03}, {0.1, 0.3, 0.03}), terrain_, GateSampling::kFine).accepted);
+  EXPECT_TRUE(
+      gate_.Check(Line({0.0076, 0.3, 0.03}, {0.1, 0.3, 0.03}), terrain_, GateSampling::kFine)
+          .accepted);
   ExpectRefused(Line({0.0074, 0.3, 0.03}, {0.1, 0.3, 0.03}), "mm inside the box wall");
   ExpectRefused(Line({1.15, 0.3, 0.03}, {1.25, 0.3, 0.03}), "beyond the box wall");
 }
@@ -105,26 +112,30 @@ TEST_F(Gate, RefusesWhatTheArmCannotReachOrMustNotTouch) {
   tight.limits.clearance_m = 0.09;  // more than the camera ever has to the forearm
   tight.motion.retreat_height_m = 0.25;
   tight.tool.blade_height_m = 0.245;
-  const auto close = SafetyGate(tight).Check(TypicalStroke(0.6, 0.4, 0.3), terrain_, GateSampling::kFine);
+  const auto close =
+      SafetyGate(tight).Check(TypicalStroke(0.6, 0.4, 0.3), terrain_, GateSampling::kFine);
   EXPECT_THAT(close.reasons, Contains(HasSubstr("come within")));
 
   Workcell slow;
   slow.limits.joint_speed_radps = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
   slow.limits.joint_acceleration_radps2 = 0.3;
-  const auto fast = SafetyGate(slow).Check(TypicalStroke(0.6, 0.4, 0.3), terrain_, GateSampling::kFine);
+  const auto fast =
+      SafetyGate(slow).Check(TypicalStroke(0.6, 0.4, 0.3), terrain_, GateSampling::kFine);
   EXPECT_THAT(fast.reasons, Contains(HasSubstr("speed")));
   EXPECT_THAT(fast.reasons, Contains(HasSubstr("acceleration")));
 
   Workcell hurried;
   hurried.limits.max_duration_s = 5;
-  const auto late = SafetyGate(hurried).Check(TypicalStroke(0.6, 0.4, 0.3), terrain_, GateSampling::kFine);
+  const auto late =
+      SafetyGate(hurried).Check(TypicalStroke(0.6, 0.4, 0.3), terrain_, GateSampling::kFine);
   EXPECT_THAT(late.reasons, Contains(HasSubstr("limit 5.0 s")));
 }
 
 TEST_F(Gate, NeedsDistanceFromSingularities) {
   Workcell cell;
   cell.limits.min_singular_value = 0.5;
-  const auto verdict = SafetyGate(cell).Check(TypicalStroke(0.6, 0.4, 0.3), terrain_, GateSampling::kFine);
+  const auto verdict =
+      SafetyGate(cell).Check(TypicalStroke(0.6, 0.4, 0.3), terrain_, GateSampling::kFine);
   EXPECT_THAT(verdict.reasons, Contains(HasSubstr("near a singularity")));
 }
 
@@ -141,7 +152,8 @@ TEST_F(Gate, WhatTheCoarseSamplingAcceptsTheFineOneAccepts) {
     const Stroke stroke = RandomStroke(1.2, 0.8, random);
     const bool is_coarse = gate_.Check(stroke, terrain_, GateSampling::kCoarse).accepted;
     const GateVerdict verdict = gate_.Check(stroke, terrain_, GateSampling::kFine);
-    EXPECT_TRUE(verdict.accepted || !is_coarse) << sample << ::testing::PrintToString(verdict.reasons);
+    EXPECT_TRUE(verdict.accepted || !is_coarse)
+        << sample << ::testing::PrintToString(verdict.reasons);
     coarse += is_coarse, fine += verdict.accepted;
   }
   EXPECT_GT(coarse, 200);

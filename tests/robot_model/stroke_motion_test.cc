@@ -13,7 +13,8 @@ namespace sandwright {
 namespace {
 
 TEST(RestToRest, HandNumbers) {
-  // 0.5 m/s^2 to 0.1 m/s takes 0.2 s; 0.18 m at 0.1 m/s takes 1.8 s; one ramp and the smoothing more.
+  // 0.5 m/s^2 to 0.1 m/s takes 0.2 s; 0.18 m at 0.1 m/s takes 1.8 s;
+  // one ramp and the smoothing more.
   const RestToRest motion(0.18, 0.1, 0.5, 0.1);
   EXPECT_NEAR(motion.duration_s(), 1.8 + 0.2 + 0.1, 1e-12);
   EXPECT_DOUBLE_EQ(motion.At(0), 0);
@@ -30,7 +31,8 @@ TEST(RestToRest, KeepsSpeedAccelerationAndJerk) {
     constexpr double h = 1e-4;
     double before = 0;
     for (double t = -0.05; t < motion.duration_s() + 0.05; t += h) {
-      const double s0 = motion.At(t), s1 = motion.At(t + h), s2 = motion.At(t + 2 * h), s3 = motion.At(t + 3 * h);
+      const double s0 = motion.At(t), s1 = motion.At(t + h), s2 = motion.At(t + 2 * h),
+                   s3 = motion.At(t + 3 * h);
       EXPECT_GE(s0, before - 1e-15);
       EXPECT_LE((s1 - s0) / h, 0.1 * (1 + 1e-6));
       EXPECT_LE(std::abs(s2 - 2 * s1 + s0) / (h * h), 0.5 * (1 + 1e-4));
@@ -68,7 +70,8 @@ TEST(CurveSpeed, IsTheStrokesOwnOnGentleCurvesAndLessInAbruptOnes) {
   EXPECT_LT(CurveSpeed(hairpin, settings), 0.1);
   EXPECT_GT(CurveSpeed(hairpin, settings), 0.05);
   // A bend that reverses within millimetres: much slower.
-  const Stroke abrupt{{{0.3, 0.3, 0.03}, {0.5, 0.38, 0.03}, {0.3, 0.26, 0.03}, {0.5, 0.34, 0.03}}, 2, 0.1};
+  const Stroke abrupt{
+      {{0.3, 0.3, 0.03}, {0.5, 0.38, 0.03}, {0.3, 0.26, 0.03}, {0.5, 0.34, 0.03}}, 2, 0.1};
   EXPECT_LT(CurveSpeed(abrupt, settings), CurveSpeed(hairpin, settings));
   EXPECT_GT(CurveSpeed(abrupt, settings), 0);
 }
@@ -81,20 +84,25 @@ TEST(StrokeMotion, StaysOnThePathInOneBranch) {
   for (int sample = 0; sample < 60; ++sample) {
     Stroke stroke = RandomStroke(0.8, 0.6, random);
     for (auto& point : stroke.control_points_m) point.head<2>().array() += 0.1;
-    if (stroke.degree == 2 && stroke.control_points_m.size() > 2 && CurveSpeed(stroke, cell.motion) < 0.02) continue;
+    if (stroke.degree == 2 && stroke.control_points_m.size() > 2 &&
+        CurveSpeed(stroke, cell.motion) < 0.02)
+      continue;
     const auto pieces = StrokePieces(stroke, cell.motion);
     const auto motion = MakeStrokeMotion(pieces, kinematics, 6, sample % 2 == 1, cell.home());
     if (!motion) continue;
     ++followed;
     EXPECT_LT(PathError(*motion, kinematics, stroke), 0.2e-3);
-    const Eigen::Vector3d first = kinematics.BladeInBox(motion->knots[motion->path_begin]).translation();
-    const Eigen::Vector3d last = kinematics.BladeInBox(motion->knots[motion->path_end - 1]).translation();
+    const Eigen::Vector3d first =
+        kinematics.BladeInBox(motion->knots[motion->path_begin]).translation();
+    const Eigen::Vector3d last =
+        kinematics.BladeInBox(motion->knots[motion->path_end - 1]).translation();
     EXPECT_LT((first - stroke.control_points_m.front()).norm(), 1e-9);
     EXPECT_LT((last - stroke.control_points_m.back()).norm(), 1e-9);
     for (size_t i = 1; i < motion->knots.size(); ++i)
       ASSERT_LT((motion->knots[i].rad - motion->knots[i - 1].rad).cwiseAbs().maxCoeff(), 0.05);
     // Upright all the way: the blade's z axis points down.
-    EXPECT_NEAR(kinematics.BladeInBox(motion->knots[motion->knots.size() / 2]).linear()(2, 2), -1, 1e-9);
+    EXPECT_NEAR(kinematics.BladeInBox(motion->knots[motion->knots.size() / 2]).linear()(2, 2), -1,
+                1e-9);
   }
   EXPECT_GT(followed, 40);
 }
@@ -106,7 +114,8 @@ TEST(StrokeMotion, BladeWorksBothWaysRound) {
   const auto plain = kinematics.Solve(pose, 6, false, cell.home());
   const auto flipped = kinematics.Solve(pose, 6, true, cell.home());
   ASSERT_TRUE(plain && flipped);
-  EXPECT_LT((plain->rad - flipped->rad).head<5>().norm(), 1e-9);  // only joint 6 differs, by half a turn
+  EXPECT_LT((plain->rad - flipped->rad).head<5>().norm(),
+            1e-9);  // only joint 6 differs, by half a turn
   EXPECT_NEAR(std::abs(plain->rad[5] - flipped->rad[5]), std::numbers::pi, 1e-9);
 }
 

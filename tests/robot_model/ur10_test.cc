@@ -41,13 +41,15 @@ Ur10 GoldenArm() {
 
 TEST(Ur10, ForwardGivesTheGoldenVectors) {
   const Ur10 arm = GoldenArm();
-  const auto first = arm.Forward(Joints({-1.6007002035724085, -1.7271001974688929, -2.2029998938189905,
-                                         -0.8079999128924769, 1.5951000452041626, -0.03099996248354131}));
+  const auto first =
+      arm.Forward(Joints({-1.6007002035724085, -1.7271001974688929, -2.2029998938189905,
+                          -0.8079999128924769, 1.5951000452041626, -0.03099996248354131}));
   EXPECT_NEAR(first.translation().x(), -0.179925914147547, 1e-12);
   EXPECT_NEAR(first.translation().y(), -0.606869755162764, 1e-12);
   EXPECT_NEAR(first.translation().z(), 0.230789102067257, 1e-12);
-  const auto second = arm.Forward(Joints({1.326450228691101, 2.4260077476501465, 5.951572895050049,
-                                          1.2740904092788696, -0.5410521666156214, 0.12217304855585098}));
+  const auto second =
+      arm.Forward(Joints({1.326450228691101, 2.4260077476501465, 5.951572895050049,
+                          1.2740904092788696, -0.5410521666156214, 0.12217304855585098}));
   EXPECT_NEAR(second.translation().x(), 0.399229880032804, 1e-12);
   EXPECT_NEAR(second.translation().y(), 0.596883650693405, 1e-12);
   EXPECT_NEAR(second.translation().z(), -0.667781904027638, 1e-12);
@@ -193,7 +195,8 @@ TEST(Ur10, CalibratedParametersArePolishedToANanometre) {
 
 TEST(Ur10, SmallestSingularValueVanishesAtSingularities) {
   const Ur10 arm;
-  EXPECT_LT(SmallestSingularValue(arm.Jacobian(Joints({0.2, -1, 0, 0.3, 1, 0}))), 1e-7);  // stretched
+  EXPECT_LT(SmallestSingularValue(arm.Jacobian(Joints({0.2, -1, 0, 0.3, 1, 0}))),
+            1e-7);  // stretched
   EXPECT_LT(SmallestSingularValue(arm.Jacobian(Joints({0.2, -1, 1, 0.3, 0, 0}))), 1e-7);  // wrist
   EXPECT_GT(SmallestSingularValue(arm.Jacobian(Joints({-1.8, -1.1, 1.7, -2.2, -1.57, 0}))), 0.1);
 }

@@ -60,18 +60,25 @@ TEST(Workcell, CameraSeesTheWholeBoxAndNotTheBlade) {
     for (const double x : {0.0, cell.box.width_m})
       for (const double y : {0.0, cell.box.depth_m})
         for (const double z : {0.0, cell.box.wall_height_m})
-          EXPECT_TRUE(in_view(X_CW * cell.X_WB.ToIsometry() * Eigen::Vector3d(x, y, z))) << file << x << y << z;
-    EXPECT_FALSE(in_view(X_CW * X_WF * cell.tool.X_FT.ToIsometry() * Eigen::Vector3d(0, 0, 0))) << file;
+          EXPECT_TRUE(in_view(X_CW * cell.X_WB.ToIsometry() * Eigen::Vector3d(x, y, z)))
+              << file << x << y << z;
+    EXPECT_FALSE(in_view(X_CW * X_WF * cell.tool.X_FT.ToIsometry() * Eigen::Vector3d(0, 0, 0)))
+        << file;
   }
 }
 
 TEST(Workcell, BadFilesNameTheKey) {
-  EXPECT_THAT(LoadError("X_WB: {translation_m: [0, 0]}"), HasSubstr("X_WB.translation_m has 2 numbers; 3"));
-  EXPECT_THAT(LoadError("home_joints_rad: [0, 0, 0]"), HasSubstr("home_joints_rad has 3 numbers; 6"));
-  EXPECT_THAT(LoadError("home_joints_rad: [0, 0, 3.2, 0, 0, 0]"), HasSubstr("home_joints_rad: joint 3"));
+  EXPECT_THAT(LoadError("X_WB: {translation_m: [0, 0]}"),
+              HasSubstr("X_WB.translation_m has 2 numbers; 3"));
+  EXPECT_THAT(LoadError("home_joints_rad: [0, 0, 0]"),
+              HasSubstr("home_joints_rad has 3 numbers; 6"));
+  EXPECT_THAT(LoadError("home_joints_rad: [0, 0, 3.2, 0, 0, 0]"),
+              HasSubstr("home_joints_rad: joint 3"));
   EXPECT_THAT(LoadError("box: {widht_m: 1}"), HasSubstr("did you mean 'box.width_m'?"));
-  EXPECT_THAT(LoadError("limits: {joint_acceleration_radps2: 9}"), HasSubstr("allowed: 0.1..5.236"));
-  EXPECT_THAT(LoadError("motion: {retreat_height_m: 0.1}"), HasSubstr("motion.retreat_height_m = 0.1"));
+  EXPECT_THAT(LoadError("limits: {joint_acceleration_radps2: 9}"),
+              HasSubstr("allowed: 0.1..5.236"));
+  EXPECT_THAT(LoadError("motion: {retreat_height_m: 0.1}"),
+              HasSubstr("motion.retreat_height_m = 0.1"));
   EXPECT_THAT(LoadError("tool: {blade_height_m: 0.1}"), HasSubstr("tool.blade_height_m = 0.1"));
 }
 

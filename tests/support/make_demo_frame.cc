@@ -1,5 +1,6 @@
-// make_demo_frame OUT.png: the depth frame that the demo scans. A bed of the project's own sand: random
-// dunes, a dozen strokes through them by the heightfield, seen by the Kinect model from straight above.
+// make_demo_frame OUT.png: the depth frame that the demo scans. A bed of the
+// project's own sand: random dunes, a dozen strokes through them by the heightfield,
+// seen by the Kinect model from straight above.
 #include <cstdio>
 
 #include "data/excavation.h"
