@@ -21,7 +21,8 @@ constexpr double kStep_m = 0.012;           // widest step between sand and wall
 constexpr double kBeyond_m = 0.04;          // how far beyond the expected side the wall is looked for
 constexpr double kWallReach_m = 0.12;       // and its rim
 constexpr double kLineTolerance_m = 0.008;  // two to three pixels of a Kinect at 1.2 m
-constexpr double kEdgeContrast = 0.15;
+constexpr double kEdgeContrast = 0.15;  // of an edge to what lies beside it [m/m]
+constexpr int kBeside = 18;             // this many bins away
 constexpr double kBank_m = 0.04;  // the sand inside of a wall that its foot is compared with
 constexpr double kTurns_deg = 1;  // the vote for the rectangle knows its angle to half a degree
 
@@ -142,7 +143,8 @@ double LineSteepness(const std::vector<Stretch>& stretches, double centre, doubl
 }
 
 // The steepest line through bin `bin` of the side's middle, and how steep it is.
-std::pair<Line, double> SteepestThrough(const std::vector<Stretch>& stretches, double centre, int bin) {
+std::pair<Line, double> SteepestThrough(const std::vector<Stretch>& stretches, double centre,
+                                        int bin) {
   const int steps = 16;
   std::pair<Line, double> best{{}, 0};
   for (int step = -steps; step <= steps; ++step) {
@@ -153,7 +155,9 @@ std::pair<Line, double> SteepestThrough(const std::vector<Stretch>& stretches, d
   return best;
 }
 
-// The innermost line that is steep on average; positions count from the start of the scan lines.
+// The innermost line that is steep on average, and steeper than the surface inside of it: noise lifts
+// a bank at rest to `wall_slope` here and there, but the bank has no edge there. Positions count from
+// the start of the scan lines.
 std::optional<Line> InnermostWall(const std::vector<Stretch>& stretches, double centre,
                                   double wall_slope) {
   const int bins = static_cast<int>(stretches.front().steepness.size());
@@ -163,7 +167,8 @@ std::optional<Line> InnermostWall(const std::vector<Stretch>& stretches, double 
   // there for as long as the surface becomes steeper.
   for (int bin = 0; bin < std::min(at + 4, bins); ++bin) {
     const auto line = SteepestThrough(stretches, centre, bin);
-    if (line.second > wall.second) wall = line, at = bin;
+    const double inside = LineSteepness(stretches, centre, line.first.slope, bin - kBeside);
+    if (line.second > wall.second && !(line.second < inside + kEdgeContrast)) wall = line, at = bin;
   }
   return at < bins ? std::optional(wall.first) : std::nullopt;
 }
@@ -173,10 +178,10 @@ std::optional<Line> InnermostWall(const std::vector<Stretch>& stretches, double 
 // but wide: an edge is steeper than what lies on both sides of it.
 double RivalInside(const std::vector<Stretch>& stretches, double centre, double wall_slope, const Line& wall) {
   const auto steepness = [&](int bin) { return LineSteepness(stretches, centre, wall.slope, bin); };
-  const int beside = static_cast<int>(1.5 * kStep_m / kBin_m);
-  const int last = static_cast<int>((wall.offset + wall.slope * centre) / kBin_m) - beside;
+  const int last = static_cast<int>((wall.offset + wall.slope * centre) / kBin_m) - kBeside;
   for (int bin = 0; bin < last; ++bin) {
-    const double edge = steepness(bin), sides = std::fmax(steepness(bin - beside), steepness(bin + beside));
+    const double edge = steepness(bin);
+    const double sides = std::fmax(steepness(bin - kBeside), steepness(bin + kBeside));
     if (edge > 0.8 * wall_slope && edge - sides > kEdgeContrast)
       return wall.offset + wall.slope * centre - bin * kBin_m;
   }

@@ -88,8 +88,8 @@ inline bool SeesBox(const CameraModel& camera, const Eigen::Isometry3d& X_BC, do
   return true;
 }
 
-// A bed of 1200 x 800 mm (`large_box`) or 300 x 300 mm, its walls 20 to 80 mm above the highest sand
-// beside... the rim, seen from as near as the picture allows up to twice as far.
+// A bed of 1200 x 800 mm (`large_box`) or 300 x 300 mm, its walls 20 to 80 mm above the highest sand,
+// under a camera that sees all of it from 1.15 to 1.6 m or 0.5 to 1.2 m above the floor.
 inline SimulatedBed DrawBed(std::string_view kind, bool large_box, uint64_t seed, const BedView& view = {},
                             const CameraModel& camera = {}) {
   const double width_m = large_box ? 1.2 : 0.3, depth_m = large_box ? 0.8 : 0.3;
@@ -118,7 +118,7 @@ inline SimulatedBed DrawBed(std::string_view kind, bool large_box, uint64_t seed
 inline void AddForearm(const CameraModel& camera, const Eigen::Isometry3d& X_BC, const Eigen::Vector3d& from_B,
                        const Eigen::Vector3d& to_B, double radius_m, DepthFrame& frame) {
   const Eigen::Vector3d from = X_BC.inverse() * from_B, to = X_BC.inverse() * to_B;
-  // Balls closer together than a hundredth of their radius would differ from the bar by.
+  // As balls: a tenth of their radius apart they differ from the bar by an eighth of a percent of it.
   const int balls = 1 + static_cast<int>((to - from).norm() / (0.1 * radius_m));
   const std::vector<PixelRay> rays = PixelRays(camera);
   for (size_t i = 0; i < rays.size(); ++i) {
