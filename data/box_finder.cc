@@ -79,10 +79,11 @@ std::vector<std::string> Verdict(const Rectangle& box, const std::array<BoxSide,
                                     "{:.0f} % are needed",
                                     kSideNames[i], 100 * side.support, 100 * config.min_wall_support));
     else if (side.rise_m < config.min_wall_rise_m || side.rise_m > config.max_wall_rise_m)
-      reasons.push_back(fmt::format("the edge at {} rises {:.0f} mm above the sand; a wall rises by "
-                                    "{:.0f} to {:.0f} mm",
-                                    kSideNames[i], 1000 * side.rise_m, 1000 * config.min_wall_rise_m,
-                                    1000 * config.max_wall_rise_m));
+      reasons.push_back(
+          fmt::format("the edge at {} rises {:.0f} mm above the sand; a wall rises by "
+                      "{:.0f} to {:.0f} mm",
+                      kSideNames[i], 1000 * side.rise_m, 1000 * config.min_wall_rise_m,
+                      1000 * config.max_wall_rise_m));
     const double skew_deg = std::abs(side.lean_rad) * 180 / std::numbers::pi;
     if (skew_deg > config.max_skew_deg)
       reasons.push_back(fmt::format("the edge at {} is turned by {:.1f} degrees against the others; "
@@ -126,7 +127,8 @@ std::vector<Eigen::Vector3f> PointsInside(const LevelImage& image, const Rectang
 
 // The vertical in C: the normal of the walls' rim, which sand may slope against as it likes; of the
 // sand's plane where fewer than three walls show a rim or theirs is no plane.
-Vector3d VerticalOf(const LevelImage& image, const std::array<BoxSide, 4>& sides, const Plane& sand) {
+Vector3d VerticalOf(const LevelImage& image, const std::array<BoxSide, 4>& sides,
+                    const Plane& sand) {
   std::vector<Eigen::Vector3f> rim;
   int walls = 0;
   for (const BoxSide& side : sides) {
@@ -137,7 +139,8 @@ Vector3d VerticalOf(const LevelImage& image, const std::array<BoxSide, 4>& sides
   if (walls >= 3) {
     const Plane fit = FitPlane(rim);
     const auto near = std::ranges::count_if(rim, [&](const Eigen::Vector3f& p) {
-      return std::abs(p.z() - fit.slope_x * p.x() - fit.slope_y * p.y() - fit.offset) < kRimTolerance_m;
+      return std::abs(p.z() - fit.slope_x * p.x() - fit.slope_y * p.y() - fit.offset) <
+             kRimTolerance_m;
     });
     if (3 * near >= 2 * static_cast<std::ptrdiff_t>(rim.size())) plane = fit;
   }

@@ -74,15 +74,16 @@ double MedianDepth(const LevelImage& image) {
 
 }  // namespace
 
-std::optional<Rectangle> GrowRectangle(const LevelImage& image, const AngleRange& angles, double wall_slope,
-                                       double min_side_m) {
+std::optional<Rectangle> GrowRectangle(const LevelImage& image, const AngleRange& angles,
+                                       double wall_slope, double min_side_m) {
   const std::vector<Vector2d> seeds = Seeds(image);
   if (seeds.empty()) return std::nullopt;
   const std::vector<SteepPoint> points = SteepPoints(image);
   const double pixel_m = MedianDepth(image) / image.camera.fx_px;
   const double cell_m = kCell_px * pixel_m;
   const double reach_m =
-      0.5 * pixel_m * std::hypot(static_cast<double>(image.camera.width), static_cast<double>(image.camera.height));
+      0.5 * pixel_m *
+      std::hypot(static_cast<double>(image.camera.width), static_cast<double>(image.camera.height));
   Vector2d middle = Vector2d::Zero();
   for (const Vector2d& seed : seeds) middle += seed / static_cast<double>(seeds.size());
 
@@ -99,7 +100,8 @@ std::optional<Rectangle> GrowRectangle(const LevelImage& image, const AngleRange
       if (smaller * cell_m < min_side_m || steepness <= steepest) continue;
       steepest = steepness;
       best = Rectangle{angle, {}};
-      for (size_t side = 0; side < 4; ++side) best->side[side] = plan.Position((*sides)[side], side < 2 ? 0 : 1);
+      for (size_t side = 0; side < 4; ++side)
+        best->side[side] = plan.Position((*sides)[side], side < 2 ? 0 : 1);
     }
   }
   return best;

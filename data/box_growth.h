@@ -35,7 +35,7 @@ struct AngleRange {
 // From each of nine seeds, at each angle, a small rectangle pushes its sides outwards until each is
 // such a line. A steep place of sand stops no side: it is never steep along all of it, and what
 // stops a short side is asked again when the side has grown.
-std::optional<Rectangle> GrowRectangle(const LevelImage& image, const AngleRange& angles, double wall_slope,
-                                       double min_side_m);
+std::optional<Rectangle> GrowRectangle(const LevelImage& image, const AngleRange& angles,
+                                       double wall_slope, double min_side_m);
 
 }  // namespace sandwright

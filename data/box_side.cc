@@ -21,8 +21,8 @@ constexpr double kStep_m = 0.012;           // widest step between sand and wall
 constexpr double kBeyond_m = 0.04;          // how far beyond the expected side the wall is looked for
 constexpr double kWallReach_m = 0.12;       // and its rim
 constexpr double kLineTolerance_m = 0.008;  // two to three pixels of a Kinect at 1.2 m
-constexpr double kEdgeContrast = 0.15;  // of an edge to what lies beside it [m/m]
-constexpr int kBeside = 18;             // this many bins away
+constexpr double kEdgeContrast = 0.15;      // of an edge to what lies beside it [m/m]
+constexpr int kBeside = 18;                 // this many bins away
 constexpr double kBank_m = 0.04;  // the sand inside of a wall that its foot is compared with
 constexpr double kTurns_deg = 1;  // the vote for the rectangle knows its angle to half a degree
 
@@ -53,10 +53,10 @@ std::vector<Reading> ScanLine(const std::vector<Eigen::Vector3f>& walk, const Ve
   return line;
 }
 
-// For each bin of kBin_m from `start` on, the steepness that half of the scan lines reach there; then
-// the steepest of those within a pixel and a half (walls are not straight to a pixel). In this order:
-// the steepest of single readings is noise, which makes sand at rest as steep as a wall. NaN: fewer
-// than half of the lines saw it.
+// For each bin of kBin_m from `start` on, the steepness that half of the scan lines reach there;
+// then the steepest of those within a pixel and a half (walls are not straight to a pixel). In this
+// order: the steepest of single readings is noise, which makes sand at rest as steep as a wall.
+// NaN: fewer than half of the lines saw it.
 std::vector<double> StretchSteepness(const std::vector<std::vector<Reading>>& lines, double start,
                                      double length, double pixel_m) {
   const int bins = static_cast<int>(length / kBin_m);
@@ -81,7 +81,8 @@ std::vector<double> StretchSteepness(const std::vector<std::vector<Reading>>& li
   const int reach = static_cast<int>(std::lround(pixel_m / kBin_m));
   for (int k = 0; k < bins; ++k)
     for (int near = std::max(k - reach, 0); near <= std::min(k + reach, bins - 1); ++near)
-      result[static_cast<size_t>(k)] = std::fmax(result[static_cast<size_t>(k)], medians[static_cast<size_t>(near)]);
+      result[static_cast<size_t>(k)] =
+          std::fmax(result[static_cast<size_t>(k)], medians[static_cast<size_t>(near)]);
   return result;
 }
 
@@ -114,7 +115,7 @@ std::vector<Stretch> ReadStretches(const LevelImage& image, const SideGuess& gue
       stretch.lines.push_back(ScanLine(stretch.walks.back(), guess.outward, pixel_m));
     }
     stretch.steepness = StretchSteepness(stretch.lines, guess.position_m - guess.inside_m,
-                                        guess.inside_m + kBeyond_m, pixel_m);
+                                         guess.inside_m + kBeyond_m, pixel_m);
   }
   return stretches;
 }
@@ -155,16 +156,16 @@ std::pair<Line, double> SteepestThrough(const std::vector<Stretch>& stretches, d
   return best;
 }
 
-// The innermost line that is steep on average, and steeper than the surface inside of it: noise lifts
-// a bank at rest to `wall_slope` here and there, but the bank has no edge there. Positions count from
-// the start of the scan lines.
+// The innermost line that is steep on average, and steeper than the surface inside of it: noise
+// lifts a bank at rest to `wall_slope` here and there, but the bank has no edge there. Positions
+// count from the start of the scan lines.
 std::optional<Line> InnermostWall(const std::vector<Stretch>& stretches, double centre,
                                   double wall_slope) {
   const int bins = static_cast<int>(stretches.front().steepness.size());
   std::pair<Line, double> wall{{}, wall_slope};
   int at = bins;
-  // The first line that passes may lie askew, half on the wall and half on a bank before it: on from
-  // there for as long as the surface becomes steeper.
+  // The first line that passes may lie askew, half on the wall and half on a bank before it: on
+  // from there for as long as the surface becomes steeper.
   for (int bin = 0; bin < std::min(at + 4, bins); ++bin) {
     const auto line = SteepestThrough(stretches, centre, bin);
     const double inside = LineSteepness(stretches, centre, line.first.slope, bin - kBeside);
@@ -173,9 +174,9 @@ std::optional<Line> InnermostWall(const std::vector<Stretch>& stretches, double 
   return at < bins ? std::optional(wall.first) : std::nullopt;
 }
 
-// How far inside of `wall` another straight edge runs that is nearly steep enough to be the wall; 0:
-// none. It may be the wall's foot, blurred by light between sand and wall. A bank of sand is as steep
-// but wide: an edge is steeper than what lies on both sides of it.
+// How far inside of `wall` another straight edge runs that is nearly steep enough to be the wall;
+// 0: none. It may be the wall's foot, blurred by light between sand and wall. A bank of sand is as
+// steep but wide: an edge is steeper than what lies on both sides of it.
 double RivalInside(const std::vector<Stretch>& stretches, double centre, double wall_slope, const Line& wall) {
   const auto steepness = [&](int bin) { return LineSteepness(stretches, centre, wall.slope, bin); };
   const int last = static_cast<int>((wall.offset + wall.slope * centre) / kBin_m) - kBeside;
@@ -188,19 +189,22 @@ double RivalInside(const std::vector<Stretch>& stretches, double centre, double 
   return 0;
 }
 
-// Half-way between the steepness of the sand inside of a wall at bin `wall` and that of a wall: a bank at
-// rest is nearly as steep as `wall_slope`, and single readings of it are steeper.
+// Half-way between the steepness of the sand inside of a wall at bin `wall` and that of a wall: a
+// bank at rest is nearly as steep as `wall_slope`, and single readings of it are steeper.
 double FootSteepness(const Stretch& stretch, double wall, double wall_slope) {
   std::vector<double> sand;
   const int last = static_cast<int>((wall - kStep_m) / kBin_m);
   for (int k = std::max(0, last - static_cast<int>(kBank_m / kBin_m)); k < last; ++k)
-    if (!std::isnan(stretch.steepness[static_cast<size_t>(k)])) sand.push_back(stretch.steepness[static_cast<size_t>(k)]);
-  return std::max(wall_slope, 0.5 * (std::min(Median(std::move(sand)), wall_slope) + kSteepnessCap));
+    if (!std::isnan(stretch.steepness[static_cast<size_t>(k)]))
+      sand.push_back(stretch.steepness[static_cast<size_t>(k)]);
+  return std::max(wall_slope,
+                  0.5 * (std::min(Median(std::move(sand)), wall_slope) + kSteepnessCap));
 }
 
-// Where each scan line of a stretch meets the wall that is expected `wall` from the start of the scan
-// lines, at `start`: the median; empty where the stretch shows nothing steep there.
-std::optional<double> FootNear(const Stretch& stretch, double start, double wall, double wall_slope) {
+// Where each scan line of a stretch meets the wall that is expected `wall` from the start of the
+// scan lines, at `start`: the median; empty where the stretch shows nothing steep there.
+std::optional<double> FootNear(const Stretch& stretch, double start, double wall,
+                               double wall_slope) {
   const double steep = FootSteepness(stretch, wall, wall_slope);
   std::vector<double> feet;
   for (const auto& line : stretch.lines) {

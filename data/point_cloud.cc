@@ -12,9 +12,10 @@
 namespace sandwright {
 namespace {
 
-// The middle of the readings of the 5 x 5 pixels around (u, v), the mean of the five in the middle of their
-// order, less what lies across a jump; 0 where there is none. The median alone would come in the camera's whole millimetres, which over two
-// pixels are as much as the difference between sand at rest and a wall.
+// The middle of the readings of the 5 x 5 pixels around (u, v), the mean of the five in the middle
+// of their order, less what lies across a jump; 0 where there is none. The median alone would come
+// in the camera's whole millimetres, which over two pixels are as much as the difference between
+// sand at rest and a wall.
 float LocalMedian(const DepthFrame& frame, int u, int v) {
   constexpr int radius = 2;
   constexpr float kJump_m = 0.003f;

@@ -27,8 +27,8 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Frame B on the box that was found, with z along `up_C`: turned about the middle of the sand, so that
-// the walls' feet stay where they are as nearly as they can.
+// Frame B on the box that was found, with z along `up_C`: turned about the middle of the sand, so
+// that the walls' feet stay where they are as nearly as they can.
 Eigen::Isometry3d PoseInBox(const FoundBox& box, const Vector3d& up_C) {
   const Vector3d along = box.X_CB.linear().col(0);
   Eigen::Isometry3d X_CB = Eigen::Isometry3d::Identity();
@@ -64,7 +64,8 @@ Vector3d Vertical(const PointCloud& cloud, const FoundBox& box, const std::strin
     }
   }
   if (points_B.size() < 12) {
-    reasons.push_back(fmt::format("{} readings show what is to be made level; at least 12 are needed", points_B.size()));
+    reasons.push_back(fmt::format(
+        "{} readings show what is to be made level; at least 12 are needed", points_B.size()));
     return box.X_CB.linear().col(2);
   }
   const Plane plane = FitPlane(points_B);
@@ -176,16 +177,19 @@ void FinishMap(const ScanConfig& config, ScanResult& result) {
     result.reasons.push_back(std::move(reason));
 }
 
-// Struck-off sand and the floor of an empty box look alike; nothing but a flatness that no sand keeps tells.
+// Struck-off sand and the floor of an empty box look alike; nothing but a flatness that no sand
+// keeps tells.
 void WarnOfABoard(ScanResult& result) {
   double sum = 0, squares = 0;
   for (const float h : result.map.height_m) sum += h, squares += h * h;
   const auto count = static_cast<double>(result.map.size());
-  const double deviation_mm = 1000 * std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count)));
+  const double deviation_mm =
+      1000 * std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count)));
   if (deviation_mm < result.noise_mm)
-    result.warnings.push_back(fmt::format("the surface is flat to {:.2f} mm, less than a reading's noise of {:.2f} mm: "
-                                          "is the box empty?",
-                                          deviation_mm, result.noise_mm));
+    result.warnings.push_back(
+        fmt::format("the surface is flat to {:.2f} mm, less than a reading's noise of {:.2f} mm: "
+                    "is the box empty?",
+                    deviation_mm, result.noise_mm));
 }
 
 void CheckTilt(const ScanConfig& config, ScanResult& result) {
@@ -256,7 +260,10 @@ std::optional<Place> Locate(const PointCloud& cloud, const CameraModel& camera, 
   const Vector3d up_C = Vertical(cloud, *search.box, config.level, result.reasons);
   result.tilt_removed_deg = std::acos(std::clamp(-up_C.z(), -1.0, 1.0)) / kDegree;
   CheckTilt(config, result);
-  return Place{PoseInBox(*search.box, up_C), search.box->X_CB.inverse(), {search.box->width_m, search.box->depth_m}, 0};
+  return Place{PoseInBox(*search.box, up_C),
+               search.box->X_CB.inverse(),
+               {search.box->width_m, search.box->depth_m},
+               0};
 }
 
 // The readings in the box on whole cells; the map is centred on the box, which it misses by half a

@@ -35,8 +35,8 @@ std::vector<SteepPoint> SteepPoints(const LevelImage& image) {
   return points;
 }
 
-SteepnessPlan::SteepnessPlan(const std::vector<SteepPoint>& points, const Vector2d& middle, double reach_m,
-                             double angle_rad, double cell_m)
+SteepnessPlan::SteepnessPlan(const std::vector<SteepPoint>& points, const Vector2d& middle,
+                             double reach_m, double angle_rad, double cell_m)
     : cell_m_(cell_m), cells_(static_cast<int>(2 * reach_m / cell_m)) {
   axes_ << std::cos(angle_rad), std::sin(angle_rad), -std::sin(angle_rad), std::cos(angle_rad);
   low_ = axes_ * middle - Vector2d::Constant(reach_m);
@@ -60,7 +60,8 @@ int SteepnessPlan::Cell(const Vector2d& xy, int axis) const {
   return static_cast<int>((axes_.row(axis).dot(xy) - low_[axis]) / cell_m_);
 }
 
-void SteepnessPlan::AddLines(int axis, const std::vector<float>& sum, const std::vector<int>& count) {
+void SteepnessPlan::AddLines(int axis, const std::vector<float>& sum,
+                             const std::vector<int>& count) {
   const auto n = static_cast<size_t>(cells_);
   const size_t across = axis == 0 ? n : 1, step = axis == 0 ? 1 : n;
   // Means over the stretches along each line of cells; -1: not seen.
@@ -78,17 +79,20 @@ void SteepnessPlan::AddLines(int axis, const std::vector<float>& sum, const std:
     for (int along = 0; along < cells_; ++along) {
       add(along + kHalfStretch, 1);
       add(along - kHalfStretch - 1, -1);
-      if (readings > 0) stretch[line * n + static_cast<size_t>(along)] = total / static_cast<float>(readings);
+      if (readings > 0)
+        stretch[line * n + static_cast<size_t>(along)] = total / static_cast<float>(readings);
     }
   }
-  std::vector<float>&steepness = steepness_[static_cast<size_t>(axis)], &seen = seen_[static_cast<size_t>(axis)];
+  std::vector<float>&steepness = steepness_[static_cast<size_t>(axis)],
+  &seen = seen_[static_cast<size_t>(axis)];
   steepness.assign(n * (n + 1), 0);
   seen.assign(n * (n + 1), 0);
   for (int line = 0; line < cells_; ++line) {
     for (int along = 0; along < cells_; ++along) {
       float steepest = -1;
       for (int k = std::max(line - 1, 0); k <= std::min(line + 1, cells_ - 1); ++k)
-        steepest = std::max(steepest, stretch[static_cast<size_t>(k) * n + static_cast<size_t>(along)]);
+        steepest =
+            std::max(steepest, stretch[static_cast<size_t>(k) * n + static_cast<size_t>(along)]);
       steepness[Index(line, along + 1)] = steepness[Index(line, along)] + std::max(steepest, 0.0f);
       seen[Index(line, along + 1)] = seen[Index(line, along)] + static_cast<float>(steepest >= 0);
     }
@@ -96,9 +100,11 @@ void SteepnessPlan::AddLines(int axis, const std::vector<float>& sum, const std:
 }
 
 double SteepnessPlan::LineSteepness(int axis, int cell, int from, int to) const {
-  const auto &steepness = steepness_[static_cast<size_t>(axis)], &seen = seen_[static_cast<size_t>(axis)];
+  const auto &steepness = steepness_[static_cast<size_t>(axis)],
+             &seen = seen_[static_cast<size_t>(axis)];
   const float cells_seen = seen[Index(cell, to + 1)] - seen[Index(cell, from)];
-  if (2 * cells_seen < static_cast<float>(to - from + 1)) return std::numeric_limits<double>::quiet_NaN();
+  if (2 * cells_seen < static_cast<float>(to - from + 1))
+    return std::numeric_limits<double>::quiet_NaN();
   return (steepness[Index(cell, to + 1)] - steepness[Index(cell, from)]) / cells_seen;
 }
 

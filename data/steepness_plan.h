@@ -27,8 +27,8 @@ std::vector<SteepPoint> SteepPoints(const LevelImage& image);
 class SteepnessPlan {
  public:
   // Covers `reach_m` around `middle`.
-  SteepnessPlan(const std::vector<SteepPoint>& points, const Eigen::Vector2d& middle, double reach_m,
-                double angle_rad, double cell_m);
+  SteepnessPlan(const std::vector<SteepPoint>& points, const Eigen::Vector2d& middle,
+                double reach_m, double angle_rad, double cell_m);
 
   int cells() const { return cells_; }  // on either axis
   // Cell and coordinate of a place on an axis, from the grid's edge on; coordinates are those of L
@@ -39,9 +39,10 @@ class SteepnessPlan {
   // Mean steepness of the line at `cell` of `axis` from cell `from` to cell `to` (both included) of
   // the other axis; NaN where less than half of it was seen.
   //
-  // A line is three cells wide: each stretch of it counts by the steepest of the three, since neither
-  // a wall nor the grid's angle is straight to a cell. A stretch is nine cells long and is averaged
-  // before: the steepest of single readings would be noise, and noise makes sand as steep as a wall.
+  // A line is three cells wide: each stretch of it counts by the steepest of the three, since
+  // neither a wall nor the grid's angle is straight to a cell. A stretch is nine cells long and is
+  // averaged before: the steepest of single readings would be noise, and noise makes sand as steep
+  // as a wall.
   double LineSteepness(int axis, int cell, int from, int to) const;
 
  private:

@@ -83,8 +83,8 @@ nlohmann::json SimulatedFigures(int seeds) {
   return result;
 }
 
-// Distances in plan from the inner corners that the corner tags of the infrared frame show (how they
-// were measured: tests/data/scan_real_test.cc).
+// Distances in plan from the inner corners that the corner tags of the infrared frame show (how
+// they were measured: tests/data/scan_real_test.cc).
 nlohmann::json TagCornerErrors(const ScanResult& scan) {
   struct Corner {
     double u, v, tag_m, sand_m;
@@ -119,7 +119,8 @@ nlohmann::json RealFigures() {
           {"accepted", scan.accepted},
           {"seconds_median", Quantile(seconds, 0.5)},
           {"noise_mm", scan.noise_mm},
-          {"invalid_share_frame", static_cast<double>(invalid) / static_cast<double>(frame.depth_m.size())},
+          {"invalid_share_frame",
+           static_cast<double>(invalid) / static_cast<double>(frame.depth_m.size())},
           {"invalid_share_box", scan.invalid_share},
           {"interpolated_share", scan.interpolated_share},
           {"tilt_removed_deg", scan.tilt_removed_deg},
@@ -129,13 +130,14 @@ nlohmann::json RealFigures() {
 }  // namespace
 
 void Main(int seeds, const char* file) {
-  const nlohmann::json result = {{"command", fmt::format("scan_figures {} {}", seeds, file)},
-                                 {"commit", BuildCommit()},
-                                 {"machine", MachineDescription()},
-                                 {"threads_used", 1},
-                                 {"load", "other work ran on the same processors: seconds are upper bounds"},
-                                 {"simulated_beds", SimulatedFigures(seeds)},
-                                 {"real_frame", RealFigures()}};
+  const nlohmann::json result = {
+      {"command", fmt::format("scan_figures {} {}", seeds, file)},
+      {"commit", BuildCommit()},
+      {"machine", MachineDescription()},
+      {"threads_used", 1},
+      {"load", "other work ran on the same processors: seconds are upper bounds"},
+      {"simulated_beds", SimulatedFigures(seeds)},
+      {"real_frame", RealFigures()}};
   WriteFileAtomically(file, result.dump(2) + "\n");
 }
 

@@ -109,7 +109,8 @@ TEST_F(ScanReal, MapHoldsTheSandAlone) {
 }
 
 TEST_F(ScanReal, PassesShifted) {
-  for (const auto& [du, dv] : {std::pair{40, 0}, {-30, 25}, {0, -40}, {0, 35}, {-60, 0}, {-60, 30}}) {
+  for (const auto& [du, dv] :
+       {std::pair{40, 0}, {-30, 25}, {0, -40}, {0, 35}, {-60, 0}, {-60, 30}}) {
     SCOPED_TRACE(::testing::Message() << du << ", " << dv);
     Accepted(Warped(frame_, {1, 0, static_cast<float>(du), 0, 1, static_cast<float>(dv)}));
   }
@@ -158,7 +159,8 @@ TEST_F(ScanReal, PassesWithAFifthOfThePixelsDropped) {
 // Beyond what is asked of it the scan may miss a wall by its blurred foot; then it says so.
 TEST_F(ScanReal, SaysWhenAWallIsNotClear) {
   const DepthFrame tilted = Reprojected(frame_, TurnedAboutSand(0, 8));
-  EXPECT_THAT(ScanDepth({&tilted, 1}, kKinect, {}).warnings, Contains(HasSubstr("state the box's size")));
+  EXPECT_THAT(ScanDepth({&tilted, 1}, kKinect, {}).warnings,
+              Contains(HasSubstr("state the box's size")));
   ScanPlace place;
   place.box_size_m = Eigen::Vector2d(1.2, 0.8);
   EXPECT_THAT(ScanDepth({&frame_, 1}, kKinect, {}, place).reasons, Contains(HasSubstr("the stated size is 1200 mm")));
@@ -167,7 +169,8 @@ TEST_F(ScanReal, SaysWhenAWallIsNotClear) {
 // From there the robot's arm above the far wall hides it, and its own edge is the innermost one.
 TEST_F(ScanReal, RefusesAnArmThatHidesAWall) {
   const DepthFrame tilted = Reprojected(frame_, TurnedAboutSand(11, 0));
-  EXPECT_THAT(ScanDepth({&tilted, 1}, kKinect, {}).reasons, Contains(HasSubstr("a wall rises by 10 to 400 mm")));
+  EXPECT_THAT(ScanDepth({&tilted, 1}, kKinect, {}).reasons,
+              Contains(HasSubstr("a wall rises by 10 to 400 mm")));
 }
 
 TEST(ScanRealHeights, SandPassesAndTheRestIsRefused) {

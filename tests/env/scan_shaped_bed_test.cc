@@ -14,26 +14,25 @@ ScanResult Scan(const DepthFrame& frame) { return ScanDepth({&frame, 1}, CameraM
 
 class ScanShapedBed : public ::testing::TestWithParam<std::tuple<size_t, bool>> {};
 
-// Measured over 360 beds: all accepted, corners 1.9 mm off in the median (docs/results/scan.json).
+// Each kind and box has a seed of its own; many more are measured in docs/results/scan.json.
 TEST_P(ScanShapedBed, IsAcceptedWithItsCornersInPlace) {
   const auto [kind, large_box] = GetParam();
-  for (uint64_t seed : {kind, kind + 10}) {
-    SCOPED_TRACE(seed);
-    const SimulatedBed bed = DrawBed(kBedKinds[kind], large_box, seed);
-    const ScanResult scan = Scan(bed.frame);
-    ASSERT_TRUE(scan.accepted) << scan.reasons.front();
-    EXPECT_LT(WorstCorner(bed, scan.corners_C), 0.006);
-  }
+  const SimulatedBed bed = DrawBed(kBedKinds[kind], large_box, kind);
+  const ScanResult scan = Scan(bed.frame);
+  ASSERT_TRUE(scan.accepted) << scan.reasons.front();
+  EXPECT_LT(WorstCorner(bed, scan.corners_C), 0.006);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ScanShapedBed,
-                         ::testing::Combine(::testing::Range<size_t>(0, kBedKinds.size()), ::testing::Bool()));
+                         ::testing::Combine(::testing::Range<size_t>(0, kBedKinds.size()),
+                                            ::testing::Bool()));
 
 TEST(ScanScene, RefusesAForearmOverTheSand) {
   for (double above_sand : {0.03, 0.15}) {
     SCOPED_TRACE(above_sand);
     SimulatedBed bed = DrawBed("dunes", true, 1);
-    AddForearm(CameraModel{}, bed.X_BC, {0.6, 0.35, 0.1 + above_sand}, {0.5, -0.2, 0.2 + above_sand}, 0.04, bed.frame);
+    AddForearm(CameraModel{}, bed.X_BC, {0.6, 0.35, 0.1 + above_sand},
+               {0.5, -0.2, 0.2 + above_sand}, 0.04, bed.frame);
     EXPECT_FALSE(Scan(bed.frame).accepted);
   }
 }
