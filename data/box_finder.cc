@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "data/box_growth.h"
 #include "data/level_image.h"
 
 namespace sandwright {
@@ -15,99 +16,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kRays = 360;
-constexpr double kVoteWindow_m = 0.016;
+constexpr double kRimTolerance_m = 0.015;  // a real rim is bent by light, too
 constexpr const char* kSideNames[4] = {"x = 0", "x = width", "y = 0", "y = depth"};
-
-// A rectangle in L: the axes e, f at `angle` and the extents along them.
-struct Rectangle {
-  double angle = 0;
-  std::array<double, 4> side{};  // lowest and highest along e, lowest and highest along f
-  double score = -std::numeric_limits<double>::infinity();  // outline met less outline missed [m]
-
-  Vector2d e() const { return {std::cos(angle), std::sin(angle)}; }
-  Vector2d f() const { return {-std::sin(angle), std::cos(angle)}; }
-  double extent(int axis) const {
-    const auto a = static_cast<size_t>(2 * axis);
-    return side[a + 1] - side[a];
-  }
-};
-
-// A stretch of a side that one ray saw: its position across the side and its length [m].
-struct Vote {
-  double position, length;
-};
-
-// The position around which the votes cover most, and the length that they cover.
-Vote DensestPosition(std::vector<Vote>& votes) {
-  std::ranges::sort(votes, {}, &Vote::position);
-  Vote best{0, 0};
-  double length = 0;
-  for (size_t low = 0, high = 0; low < votes.size(); length -= votes[low++].length) {
-    while (high < votes.size() && votes[high].position - votes[low].position <= kVoteWindow_m)
-      length += votes[high++].length;
-    if (length > best.length) best = {votes[(low + high - 1) / 2].position, length};
-  }
-  return best;
-}
-
-// The rectangle around `seed` of whose outline the `edges` (where rays from the seed ended) cover
-// most; covered length counts for it, the rest of the outline against it.
-Rectangle VoteForRectangle(const std::vector<Vector2d>& edges, const Vector2d& seed) {
-  Rectangle best;
-  for (int degree = 0; degree < 90; ++degree) {
-    Rectangle candidate;
-    candidate.angle = degree * std::numbers::pi / 180;
-    double covered = 0;
-    bool closed = true;
-    for (size_t side = 0; side < 4; ++side) {
-      const Vector2d direction = side < 2 ? candidate.e() : candidate.f();
-      std::vector<Vote> votes;
-      for (const Vector2d& edge : edges) {
-        const Vector2d ray = edge - seed;
-        const double towards = (side % 2 == 0 ? -1 : 1) * direction.dot(ray);
-        // A ray that grazes the side (by less than 15 degrees) says little about where it is.
-        if (towards > 0.26 * ray.norm())
-          votes.push_back({direction.dot(edge), ray.squaredNorm() / towards * 2 * std::numbers::pi / kRays});
-      }
-      const Vote densest = DensestPosition(votes);
-      candidate.side[side] = densest.position;
-      covered += densest.length;
-      closed = closed && densest.length > 0;
-    }
-    if (!closed) continue;
-    candidate.score = 2 * covered - 2 * (candidate.extent(0) + candidate.extent(1));
-    if (candidate.score > best.score) best = candidate;
-  }
-  return best;
-}
-
-Rectangle SearchFromSeeds(const LevelImage& image, const BoxFinderConfig& config) {
-  Rectangle best;
-  for (int seed = 0; seed < 9; ++seed) {
-    // The middle of the picture and eight places around it: one of them sees the sand.
-    const auto width = static_cast<double>(image.camera.width);
-    const auto height = static_cast<double>(image.camera.height);
-    const Vector2d pixel(width * (2 + seed % 3) / 6, height * (2 + seed / 3) / 6);
-    const Eigen::Vector3f* start = image.At(pixel);
-    if (!start->allFinite()) continue;
-    std::vector<Vector2d> edges;
-    for (int ray = 0; ray < kRays; ++ray) {
-      const double angle = ray * 2 * std::numbers::pi / kRays;
-      const double reach = width + height;
-      const Vector2d end = pixel + reach * Vector2d(std::cos(angle), std::sin(angle));
-      const auto walk = ReadingsAlong(image, pixel, end);
-      for (size_t i = 1; i + 1 < walk.size(); ++i) {
-        if (SteepnessAt(walk, i) < config.wall_slope) continue;
-        edges.push_back(walk[i].head<2>().cast<double>());
-        break;
-      }
-    }
-    const Rectangle found = VoteForRectangle(edges, start->head<2>().cast<double>());
-    if (found.score > best.score) best = found;
-  }
-  return best;
-}
 
 // Places the rectangle's sides and angle by the scan lines across them.
 std::array<BoxSide, 4> Refine(const LevelImage& image, double sand_L, const BoxFinderConfig& config,
@@ -168,10 +78,12 @@ std::vector<std::string> Verdict(const Rectangle& box, const std::array<BoxSide,
       reasons.push_back(fmt::format("the wall at {} was met on {:.0f} % of its length; at least "
                                     "{:.0f} % are needed",
                                     kSideNames[i], 100 * side.support, 100 * config.min_wall_support));
-    else if (side.rise_m < config.min_wall_rise_m)
-      reasons.push_back(fmt::format("the edge at {} rises {:.0f} mm above the sand; a wall rises at "
-                                    "least {:.0f} mm",
-                                    kSideNames[i], 1000 * side.rise_m, 1000 * config.min_wall_rise_m));
+    else if (side.rise_m < config.min_wall_rise_m || side.rise_m > config.max_wall_rise_m)
+      reasons.push_back(
+          fmt::format("the edge at {} rises {:.0f} mm above the sand; a wall rises by "
+                      "{:.0f} to {:.0f} mm",
+                      kSideNames[i], 1000 * side.rise_m, 1000 * config.min_wall_rise_m,
+                      1000 * config.max_wall_rise_m));
     const double skew_deg = std::abs(side.lean_rad) * 180 / std::numbers::pi;
     if (skew_deg > config.max_skew_deg)
       reasons.push_back(fmt::format("the edge at {} is turned by {:.1f} degrees against the others; "
@@ -213,6 +125,28 @@ std::vector<Eigen::Vector3f> PointsInside(const LevelImage& image, const Rectang
   return inside;
 }
 
+// The vertical in C: the normal of the walls' rim, which sand may slope against as it likes; of the
+// sand's plane where fewer than three walls show a rim or theirs is no plane.
+Vector3d VerticalOf(const LevelImage& image, const std::array<BoxSide, 4>& sides,
+                    const Plane& sand) {
+  std::vector<Eigen::Vector3f> rim;
+  int walls = 0;
+  for (const BoxSide& side : sides) {
+    walls += side.rim_C.size() >= 4;
+    for (const Eigen::Vector3f& p_C : side.rim_C) rim.push_back(image.R_LC.cast<float>() * p_C);
+  }
+  Plane plane = sand;
+  if (walls >= 3) {
+    const Plane fit = FitPlane(rim);
+    const auto near = std::ranges::count_if(rim, [&](const Eigen::Vector3f& p) {
+      return std::abs(p.z() - fit.slope_x * p.x() - fit.slope_y * p.y() - fit.offset) <
+             kRimTolerance_m;
+    });
+    if (3 * near >= 2 * static_cast<std::ptrdiff_t>(rim.size())) plane = fit;
+  }
+  return image.R_LC.transpose() * Vector3d(-plane.slope_x, -plane.slope_y, 1).normalized();
+}
+
 }  // namespace
 
 std::array<Vector3d, 4> FoundBox::corners_C() const {
@@ -227,28 +161,24 @@ BoxSearch FindBox(const PointCloud& cloud, const CameraModel& camera,
   Rectangle rectangle;
   std::array<BoxSide, 4> sides;
   double sand_L = 0;
-  // Each round levels by the sand that the last one found; three settle a tilt of 10 degrees.
+  AngleRange angles;
+  // Each round takes the vertical from what the last one found; two settle a tilt of 10 degrees.
   for (int round = 0; round < 3; ++round) {
     const LevelImage image(cloud, camera, up_C);
-    rectangle = SearchFromSeeds(image, config);
-    std::vector<Eigen::Vector3f> sand = PointsInside(image, rectangle);
+    const auto grown = GrowRectangle(image, angles, config.wall_slope, config.min_side_m);
+    rectangle = grown.value_or(Rectangle{});
+    const std::vector<Eigen::Vector3f> sand = PointsInside(image, rectangle);
     if (sand.size() < 100)
       return {std::nullopt, {"no surface that steep edges enclose on four sides was found"}};
     const Plane plane = FitPlane(sand);
-    const auto height = [&] {
-      const Vector2d middle = 0.5 * ((rectangle.side[0] + rectangle.side[1]) * rectangle.e() +
-                                     (rectangle.side[2] + rectangle.side[3]) * rectangle.f());
-      return plane.offset + plane.slope_x * middle.x() + plane.slope_y * middle.y();
-    };
-    sand_L = height();
-    if (round < 2 && !known_up_C) {
-      const Vector3d up_L = Vector3d(-plane.slope_x, -plane.slope_y, 1).normalized();
-      up_C = image.R_LC.transpose() * up_L;
-      continue;
-    }
+    const Vector2d middle = 0.5 * ((rectangle.side[0] + rectangle.side[1]) * rectangle.e() +
+                                   (rectangle.side[2] + rectangle.side[3]) * rectangle.f());
+    sand_L = plane.offset + plane.slope_x * middle.x() + plane.slope_y * middle.y();
     // The first pass turns the scan lines square to the walls, the second reads them.
     for (int pass = 0; pass < 2; ++pass) sides = Refine(image, sand_L, config, rectangle);
-    break;
+    if (round == 2 || known_up_C) break;
+    up_C = VerticalOf(image, sides, plane);
+    angles = {rectangle.angle - 3 * std::numbers::pi / 180, 7};
   }
   Orient(rectangle, sides);
   BoxSearch search;

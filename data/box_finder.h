@@ -18,6 +18,7 @@ struct BoxFinderConfig {
   double wall_slope = 0.75;       // 37 degrees on average along a whole side: no dry sand stands so
   double min_wall_support = 0.6;
   double min_wall_rise_m = 0.010;
+  double max_wall_rise_m = 0.4;
   double max_skew_deg = 3;
   double min_side_m = 0.15;
 
@@ -27,6 +28,8 @@ struct BoxFinderConfig {
           "share of each side's length on which the wall must be met, on one line [-]", 0.3, 1);
     f.Add("min_wall_rise_m", min_wall_rise_m, "height of the walls above the sand beside them [m]",
           0.005, 1);
+    f.Add("max_wall_rise_m", max_wall_rise_m,
+          "an edge that rises further is an arm over the box [m]", 0.05, 5);
     f.Add("max_skew_deg", max_skew_deg, "largest angle between a side and the rectangle [deg]", 0.1, 10);
     f.Add("min_side_m", min_side_m, "shortest side of a box [m]", 0.05, 5);
   }
@@ -50,14 +53,15 @@ struct BoxSearch {
   std::vector<std::string> reasons;
 };
 
-// `cloud`: points in C of a frame whose edges were kept (MedianFiltered). `known_up_C`: the vertical
-// where the camera's pose is known; otherwise the optical axis to begin with, within 15 degrees, and
-// then the normal of the sand that is found. `known_size_m`: inner width and depth (longer first)
-// where the user gave them; the found box must agree within 2 % + 10 mm and then takes that size.
+// `cloud`: points in C of a frame whose edges were kept (MedianFiltered). `known_up_C`: the
+// vertical where the camera's pose is known; otherwise the optical axis to begin with, within 15
+// degrees, and then the normal of the walls' rim. `known_size_m`: inner width and depth (longer
+// first) where the user gave them; the found box must agree within 2 % + 10 mm and then takes that
+// size.
 //
-// Method: rays through the picture from several seeds stop where the surface first becomes steeper
-// than sand; the rectangle whose outline most of them meet wins; scan lines across each side then
-// place it by a robust line.
+// Method: a rectangle grows over the sand until lines stop it that are steep along all of their
+// length; scan lines across each side then place it, and the walls' rim gives the vertical for the
+// next round.
 BoxSearch FindBox(const PointCloud& cloud, const CameraModel& camera,
                   const std::optional<Eigen::Vector3d>& known_up_C, const BoxFinderConfig& config,
                   const std::optional<Eigen::Vector2d>& known_size_m = std::nullopt);

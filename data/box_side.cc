@@ -5,6 +5,8 @@
 #include <numbers>
 #include <optional>
 
+#include "data/steepness_plan.h"
+
 namespace sandwright {
 namespace {
 
@@ -19,8 +21,9 @@ constexpr double kStep_m = 0.012;           // widest step between sand and wall
 constexpr double kBeyond_m = 0.04;          // how far beyond the expected side the wall is looked for
 constexpr double kWallReach_m = 0.12;       // and its rim
 constexpr double kLineTolerance_m = 0.008;  // two to three pixels of a Kinect at 1.2 m
-// No stretch may speak for others: a hand or a tool stands steeper than any bank of sand.
-constexpr double kSteepnessCap = 1.2;
+constexpr double kEdgeContrast = 0.15;      // of an edge to what lies beside it [m/m]
+constexpr int kBeside = 18;                 // this many bins away
+constexpr double kBank_m = 0.04;  // the sand inside of a wall that its foot is compared with
 constexpr double kTurns_deg = 1;  // the vote for the rectangle knows its angle to half a degree
 
 double Median(std::vector<double> values) {
@@ -50,18 +53,20 @@ std::vector<Reading> ScanLine(const std::vector<Eigen::Vector3f>& walk, const Ve
   return line;
 }
 
-// For each bin of kBin_m from `start` on, the median over the scan lines of their steepest reading
-// within a pixel of it (walls are not straight to a pixel). NaN: fewer than half saw it.
-std::vector<double> MedianSteepness(const std::vector<std::vector<Reading>>& lines, double start,
-                                    double length, double pixel_m) {
+// For each bin of kBin_m from `start` on, the steepness that half of the scan lines reach there;
+// then the steepest of those within a pixel and a half (walls are not straight to a pixel). In this
+// order: the steepest of single readings is noise, which makes sand at rest as steep as a wall.
+// NaN: fewer than half of the lines saw it.
+std::vector<double> StretchSteepness(const std::vector<std::vector<Reading>>& lines, double start,
+                                     double length, double pixel_m) {
   const int bins = static_cast<int>(length / kBin_m);
   std::vector<std::vector<double>> seen(static_cast<size_t>(bins));
   std::vector<double> steepest(static_cast<size_t>(bins));
   for (const auto& line : lines) {
     std::ranges::fill(steepest, -1);
     for (const Reading& reading : line) {
-      const double low = (reading.out - 1.5 * pixel_m - start) / kBin_m;
-      const double high = (reading.out + 1.5 * pixel_m - start) / kBin_m;
+      const double low = (reading.out - 0.5 * pixel_m - start) / kBin_m;
+      const double high = (reading.out + 0.5 * pixel_m - start) / kBin_m + 1;
       for (int k = std::max(0, static_cast<int>(low)); k < std::min<double>(bins, high); ++k)
         steepest[static_cast<size_t>(k)] =
             std::max(steepest[static_cast<size_t>(k)], reading.steepness);
@@ -72,7 +77,13 @@ std::vector<double> MedianSteepness(const std::vector<std::vector<Reading>>& lin
   std::vector<double> medians;
   for (auto& values : seen)
     medians.push_back(2 * values.size() < lines.size() ? std::nan("") : Median(std::move(values)));
-  return medians;
+  std::vector<double> result(medians.size(), std::nan(""));
+  const int reach = static_cast<int>(std::lround(pixel_m / kBin_m));
+  for (int k = 0; k < bins; ++k)
+    for (int near = std::max(k - reach, 0); near <= std::min(k + reach, bins - 1); ++near)
+      result[static_cast<size_t>(k)] =
+          std::fmax(result[static_cast<size_t>(k)], medians[static_cast<size_t>(near)]);
+  return result;
 }
 
 // Sixteen to a side; medians over its scan lines, since a single line's noise reaches the difference
@@ -103,8 +114,8 @@ std::vector<Stretch> ReadStretches(const LevelImage& image, const SideGuess& gue
       stretch.walks.push_back(ReadingsAlong(image, pixel(-guess.inside_m), pixel(kWallReach_m)));
       stretch.lines.push_back(ScanLine(stretch.walks.back(), guess.outward, pixel_m));
     }
-    stretch.steepness = MedianSteepness(stretch.lines, guess.position_m - guess.inside_m,
-                                        guess.inside_m + kBeyond_m, pixel_m);
+    stretch.steepness = StretchSteepness(stretch.lines, guess.position_m - guess.inside_m,
+                                         guess.inside_m + kBeyond_m, pixel_m);
   }
   return stretches;
 }
@@ -126,56 +137,82 @@ double LineSteepness(const std::vector<Stretch>& stretches, double centre, doubl
     if (k < 0 || k >= static_cast<double>(stretch.steepness.size())) continue;
     const double steepness = stretch.steepness[static_cast<size_t>(k)];
     if (std::isnan(steepness)) continue;
-    sum += std::min(steepness, kSteepnessCap);
+    sum += std::min<double>(steepness, kSteepnessCap);
     ++seen;
   }
   return 2 * seen < kStretches ? std::nan("") : sum / seen;
 }
 
-// The innermost line that is steep on average; positions count from the start of the scan lines.
+// The steepest line through bin `bin` of the side's middle, and how steep it is.
+std::pair<Line, double> SteepestThrough(const std::vector<Stretch>& stretches, double centre,
+                                        int bin) {
+  const int steps = 16;
+  std::pair<Line, double> best{{}, 0};
+  for (int step = -steps; step <= steps; ++step) {
+    const double slope = std::tan(step * kTurns_deg / steps * std::numbers::pi / 180);
+    const double steepness = LineSteepness(stretches, centre, slope, bin);
+    if (steepness > best.second) best = {{slope, bin * kBin_m - slope * centre, {}, 0}, steepness};
+  }
+  return best;
+}
+
+// The innermost line that is steep on average, and steeper than the surface inside of it: noise
+// lifts a bank at rest to `wall_slope` here and there, but the bank has no edge there. Positions
+// count from the start of the scan lines.
 std::optional<Line> InnermostWall(const std::vector<Stretch>& stretches, double centre,
                                   double wall_slope) {
   const int bins = static_cast<int>(stretches.front().steepness.size());
-  const int steps = 16;
-  for (int bin = 0; bin < bins; ++bin) {
-    Line best;
-    double steepest = wall_slope;
-    for (int step = -steps; step <= steps; ++step) {
-      const double slope = std::tan(step * kTurns_deg / steps * std::numbers::pi / 180);
-      // The best turn shows a few bins behind the first that passes.
-      for (int ahead = 0; ahead < 4 && bin + ahead < bins; ++ahead) {
-        const double steepness = LineSteepness(stretches, centre, slope, bin + ahead);
-        if (steepness > steepest) {
-          steepest = steepness;
-          best = {slope, (bin + ahead) * kBin_m - slope * centre, {}, 0};
-        }
-      }
-    }
-    if (steepest > wall_slope) return best;
+  std::pair<Line, double> wall{{}, wall_slope};
+  int at = bins;
+  // The first line that passes may lie askew, half on the wall and half on a bank before it: on
+  // from there for as long as the surface becomes steeper.
+  for (int bin = 0; bin < std::min(at + 4, bins); ++bin) {
+    const auto line = SteepestThrough(stretches, centre, bin);
+    const double inside = LineSteepness(stretches, centre, line.first.slope, bin - kBeside);
+    if (line.second > wall.second && !(line.second < inside + kEdgeContrast)) wall = line, at = bin;
   }
-  return std::nullopt;
+  return at < bins ? std::optional(wall.first) : std::nullopt;
 }
 
-// How far inside of `wall` another straight edge runs that is nearly steep enough to be the wall; 0:
-// none. It may be a bank of sand, or the wall's foot blurred by light between sand and wall.
+// How far inside of `wall` another straight edge runs that is nearly steep enough to be the wall;
+// 0: none. It may be the wall's foot, blurred by light between sand and wall. A bank of sand is as
+// steep but wide: an edge is steeper than what lies on both sides of it.
 double RivalInside(const std::vector<Stretch>& stretches, double centre, double wall_slope, const Line& wall) {
-  const int last = static_cast<int>((wall.offset + wall.slope * centre - 1.5 * kStep_m) / kBin_m);
-  for (int bin = 0; bin < last; ++bin)
-    if (LineSteepness(stretches, centre, wall.slope, bin) > 0.8 * wall_slope)
+  const auto steepness = [&](int bin) { return LineSteepness(stretches, centre, wall.slope, bin); };
+  const int last = static_cast<int>((wall.offset + wall.slope * centre) / kBin_m) - kBeside;
+  for (int bin = 0; bin < last; ++bin) {
+    const double edge = steepness(bin);
+    const double sides = std::fmax(steepness(bin - kBeside), steepness(bin + kBeside));
+    if (edge > 0.8 * wall_slope && edge - sides > kEdgeContrast)
       return wall.offset + wall.slope * centre - bin * kBin_m;
+  }
   return 0;
 }
 
-// Where each scan line of a stretch meets the wall that is expected at `wall`: the median; empty where
-// the stretch shows nothing steep there.
-std::optional<double> FootNear(const Stretch& stretch, double wall, double wall_slope) {
+// Half-way between the steepness of the sand inside of a wall at bin `wall` and that of a wall: a
+// bank at rest is nearly as steep as `wall_slope`, and single readings of it are steeper.
+double FootSteepness(const Stretch& stretch, double wall, double wall_slope) {
+  std::vector<double> sand;
+  const int last = static_cast<int>((wall - kStep_m) / kBin_m);
+  for (int k = std::max(0, last - static_cast<int>(kBank_m / kBin_m)); k < last; ++k)
+    if (!std::isnan(stretch.steepness[static_cast<size_t>(k)]))
+      sand.push_back(stretch.steepness[static_cast<size_t>(k)]);
+  return std::max(wall_slope,
+                  0.5 * (std::min(Median(std::move(sand)), wall_slope) + kSteepnessCap));
+}
+
+// Where each scan line of a stretch meets the wall that is expected `wall` from the start of the
+// scan lines, at `start`: the median; empty where the stretch shows nothing steep there.
+std::optional<double> FootNear(const Stretch& stretch, double start, double wall,
+                               double wall_slope) {
+  const double steep = FootSteepness(stretch, wall, wall_slope);
   std::vector<double> feet;
   for (const auto& line : stretch.lines) {
     const Reading* foot = nullptr;
     for (const Reading& reading : line) {
-      if (std::abs(reading.out - wall) > kStep_m) continue;
+      if (std::abs(reading.out - start - wall) > kStep_m) continue;
       // The first that is steep; where none is, the steepest.
-      if (foot == nullptr || (foot->steepness < wall_slope && reading.steepness > foot->steepness))
+      if (foot == nullptr || (foot->steepness < steep && reading.steepness > foot->steepness))
         foot = &reading;
     }
     if (foot != nullptr && foot->steepness > 0.7 * wall_slope) feet.push_back(foot->foot);
@@ -252,8 +289,8 @@ BoxSide ReadSide(const LevelImage& image, const SideGuess& guess, double wall_sl
   std::vector<Vector2d> feet;
   std::vector<double> rises;
   for (const Stretch& stretch : stretches) {
-    const double expected = start + wall->offset + wall->slope * stretch.along;
-    const auto foot = FootNear(stretch, expected, wall_slope);
+    const double expected = wall->offset + wall->slope * stretch.along;
+    const auto foot = FootNear(stretch, start, expected, wall_slope);
     if (!foot) continue;
     feet.emplace_back(stretch.along, *foot);
     const auto [rise, top] = Rise(stretch, guess.outward, *foot);

@@ -29,8 +29,9 @@ struct BoxSide {
   std::vector<Eigen::Vector3f> rim_C;  // the wall's highest readings, one a stretch
 };
 
-// The innermost line that is steeper on its whole length, on average, than `wall_slope` [m/m]: sand
-// may stand that steep here and there, never along all of a straight line.
+// The innermost line that is steeper on its whole length, on average, than `wall_slope` [m/m] and than
+// the surface inside of it: sand may stand that steep here and there, hardly along all of a straight
+// line, and a bank that does has no edge where it is steep.
 BoxSide ReadSide(const LevelImage& image, const SideGuess& guess, double wall_slope);
 
 }  // namespace sandwright

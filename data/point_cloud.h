@@ -24,8 +24,9 @@ struct PointCloud {
 // Points in C. Throws Error where the frame has another size than the camera, or holds no reading.
 PointCloud ToPoints(const DepthFrame& frame, const CameraModel& camera);
 
-// The frame with each pixel the median of the readings around it (5 x 5), which keeps straight
-// edges and closes holes of a few pixels: for finding edges, not for measuring heights.
+// The frame with each pixel the middle of the readings around it (5 x 5; the mean of the few about the
+// median, so that fractions of the camera's steps survive), which keeps straight edges and closes holes
+// of a few pixels: for finding edges, not for measuring heights.
 DepthFrame MedianFiltered(const DepthFrame& frame);
 
 // The frame without readings that stand alone, further than `limit_m` from `median`, its median

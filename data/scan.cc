@@ -27,14 +27,15 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Frame B on the box that was found, with z along `up_C`.
+// Frame B on the box that was found, with z along `up_C`: turned about the middle of the sand, so
+// that the walls' feet stay where they are as nearly as they can.
 Eigen::Isometry3d PoseInBox(const FoundBox& box, const Vector3d& up_C) {
-  const auto corners = box.corners_C();
-  const Vector3d along = corners[1] - corners[0];
+  const Vector3d along = box.X_CB.linear().col(0);
   Eigen::Isometry3d X_CB = Eigen::Isometry3d::Identity();
   const Vector3d x = (along - along.dot(up_C) * up_C).normalized();
   X_CB.linear() << x, up_C.cross(x), up_C;
-  X_CB.translation() = corners[0];
+  const Vector3d middle(box.width_m / 2, box.depth_m / 2, 0);
+  X_CB.translation() = box.X_CB * middle - X_CB.linear() * middle;
   return X_CB.inverse();
 }
 
@@ -62,6 +63,11 @@ Vector3d Vertical(const PointCloud& cloud, const FoundBox& box, const std::strin
       return box.X_CB.linear().col(2);
     }
   }
+  if (points_B.size() < 12) {
+    reasons.push_back(fmt::format(
+        "{} readings show what is to be made level; at least 12 are needed", points_B.size()));
+    return box.X_CB.linear().col(2);
+  }
   const Plane plane = FitPlane(points_B);
   return box.X_CB.linear() * Vector3d(-plane.slope_x, -plane.slope_y, 1).normalized();
 }
@@ -86,8 +92,9 @@ double NoiseOf(const std::vector<double>& second_differences) {
 // Where the box is.
 struct Place {
   Eigen::Isometry3d X_BC;
+  Eigen::Isometry3d X_VC;  // V: the box as its walls stand; differs from B in what is level
   Eigen::Vector2d size_m;
-  double sand_B = 0;  // height of the sand; without a pose B's zero is there until the datum is set
+  double sand_V = 0;  // height of the sand; without a pose V's and B's zero is there
 };
 
 // Readings of the frame that lie in the box, in B.
@@ -99,18 +106,18 @@ struct Inside {
 
 Inside ReadingsInside(const DepthFrame& frame, const DepthFrame& median, const CameraModel& camera,
                       const Place& place, double pixel_m, double corner_margin_m) {
-  const auto& [X_BC, size_m, sand_B] = place;
+  const auto& [X_BC, X_VC, size_m, sand_V] = place;
   const PointCloud cloud = ToPoints(WithoutFlyingPixels(frame, median, 0.03), camera);
   const std::vector<PixelRay> rays = PixelRays(camera);
-  const Vector3d eye = X_BC.translation();
+  const Vector3d eye = X_VC.translation();
   const double margin = kWallMargin_px * pixel_m;
   Inside inside;
   std::vector<double> differences;
   size_t pixels = 0, invalid = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
     // Whether the pixel looks into the box is asked at the sand's height: invalid ones have no point.
-    const Vector3d ray = X_BC.linear() * Vector3d(rays[i].x, rays[i].y, 1);
-    const Vector3d at = eye + (sand_B - eye.z()) / ray.z() * ray;
+    const Vector3d ray = X_VC.linear() * Vector3d(rays[i].x, rays[i].y, 1);
+    const Vector3d at = eye + (sand_V - eye.z()) / ray.z() * ray;
     const auto within = [&](double x, double y, double m) {
       return x > m && x < size_m.x() - m && y > m && y < size_m.y() - m;
     };
@@ -120,13 +127,13 @@ Inside ReadingsInside(const DepthFrame& frame, const DepthFrame& median, const C
     }
     const Vector3f& p_C = cloud.points_m[i];
     if (!p_C.allFinite()) continue;
-    const Vector3f p = X_BC.cast<float>() * p_C;
+    const Vector3f p = X_VC.cast<float>() * p_C;
     // High things beside the box lie over it in plan only because the camera sees them from its middle.
-    const double slack = std::abs(p.z() - sand_B) < kSandSlack_m ? kSandSlack_m : 0;
+    const double slack = std::abs(p.z() - sand_V) < kSandSlack_m ? kSandSlack_m : 0;
     if (!within(p.x(), p.y(), margin) || !within(at.x(), at.y(), -slack)) continue;
     const double to_x = std::min<double>(p.x(), size_m.x() - p.x()), to_y = std::min<double>(p.y(), size_m.y() - p.y());
     if (std::hypot(to_x, to_y) < corner_margin_m) continue;
-    inside.points_B.push_back(p);
+    inside.points_B.push_back(X_BC.cast<float>() * p_C);
     if (i > 0 && i + 1 < rays.size() && within(at.x(), at.y(), 0.03)) {
       const float before = frame.depth_m[i - 1], after = frame.depth_m[i + 1];
       if (before > 0 && after > 0) differences.push_back(p_C.z() - 0.5 * (before + after));
@@ -168,6 +175,21 @@ void FinishMap(const ScanConfig& config, ScanResult& result) {
   FillHoles(result.map);
   for (std::string& reason : ReasonsNotSand(result.map, config.sand))
     result.reasons.push_back(std::move(reason));
+}
+
+// Struck-off sand and the floor of an empty box look alike; nothing but a flatness that no sand
+// keeps tells.
+void WarnOfABoard(ScanResult& result) {
+  double sum = 0, squares = 0;
+  for (const float h : result.map.height_m) sum += h, squares += h * h;
+  const auto count = static_cast<double>(result.map.size());
+  const double deviation_mm =
+      1000 * std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count)));
+  if (deviation_mm < result.noise_mm)
+    result.warnings.push_back(
+        fmt::format("the surface is flat to {:.2f} mm, less than a reading's noise of {:.2f} mm: "
+                    "is the box empty?",
+                    deviation_mm, result.noise_mm));
 }
 
 void CheckTilt(const ScanConfig& config, ScanResult& result) {
@@ -225,7 +247,7 @@ std::optional<Place> Locate(const PointCloud& cloud, const CameraModel& camera, 
     const BoxSearch search = FindBox(cloud, camera, up_C, config.box);
     UsePose(search, config, given, result);
     const double sand_B = search.box ? (*given.X_BC * search.box->X_CB.translation()).z() : 0;
-    return Place{*given.X_BC, *given.box_size_m, sand_B};
+    return Place{*given.X_BC, *given.X_BC, *given.box_size_m, sand_B};
   }
   const BoxSearch search = FindBox(cloud, camera, std::nullopt, config.box, given.box_size_m);
   result.reasons = search.reasons;
@@ -238,7 +260,10 @@ std::optional<Place> Locate(const PointCloud& cloud, const CameraModel& camera, 
   const Vector3d up_C = Vertical(cloud, *search.box, config.level, result.reasons);
   result.tilt_removed_deg = std::acos(std::clamp(-up_C.z(), -1.0, 1.0)) / kDegree;
   CheckTilt(config, result);
-  return Place{PoseInBox(*search.box, up_C), {search.box->width_m, search.box->depth_m}, 0};
+  return Place{PoseInBox(*search.box, up_C),
+               search.box->X_CB.inverse(),
+               {search.box->width_m, search.box->depth_m},
+               0};
 }
 
 // The readings in the box on whole cells; the map is centred on the box, which it misses by half a
@@ -252,7 +277,7 @@ void FillMap(const DepthFrame& frame, const DepthFrame& median, const CameraMode
     throw Error(fmt::format("cell_size_m = {} leaves {} x {} cells in a box of {:.3f} x {:.3f} m; at least "
                             "2 x 2 are needed",
                             cell_m, columns, rows, place.size_m.x(), place.size_m.y()));
-  const double pixel_m = (place.X_BC.translation().z() - place.sand_B) / camera.fx_px;
+  const double pixel_m = (place.X_BC.translation().z() - place.sand_V) / camera.fx_px;
   Inside inside = ReadingsInside(frame, median, camera, place, pixel_m, config.corner_margin_m);
   const Vector3f to_map(static_cast<float>(0.5 * (columns * cell_m - place.size_m.x())),
                         static_cast<float>(0.5 * (rows * cell_m - place.size_m.y())), 0);
@@ -273,11 +298,12 @@ ScanResult ScanDepth(std::span<const DepthFrame> frames, const CameraModel& came
   if (const auto place = Locate(ToPoints(median, camera), camera, config, given, result)) {
     FillMap(frame, median, camera, config, *place, result);
     FinishMap(config, result);
+    if (result.map.size() > 0) WarnOfABoard(result);
     if (given.X_BC)
       result.map.datum = Datum::kFloor;
     else if (result.map.size() > 0)
       SetDatum(result.map, given.sand_depth_m);
-    const double w = place->size_m.x(), d = place->size_m.y(), z = place->sand_B;
+    const double w = place->size_m.x(), d = place->size_m.y(), z = place->sand_V;
     const Eigen::Isometry3d X_CB = place->X_BC.inverse();
     result.corners_C = {X_CB * Vector3d(0, 0, z), X_CB * Vector3d(w, 0, z), X_CB * Vector3d(w, d, z),
                         X_CB * Vector3d(0, d, z)};

@@ -109,7 +109,8 @@ TEST_F(ScanReal, MapHoldsTheSandAlone) {
 }
 
 TEST_F(ScanReal, PassesShifted) {
-  for (const auto& [du, dv] : {std::pair{40, 0}, {-30, 25}, {0, -40}, {0, 35}}) {
+  for (const auto& [du, dv] :
+       {std::pair{40, 0}, {-30, 25}, {0, -40}, {0, 35}, {-60, 0}, {-60, 30}}) {
     SCOPED_TRACE(::testing::Message() << du << ", " << dv);
     Accepted(Warped(frame_, {1, 0, static_cast<float>(du), 0, 1, static_cast<float>(dv)}));
   }
@@ -124,7 +125,7 @@ TEST_F(ScanReal, PassesTurnedInThePicture) {
 }
 
 TEST_F(ScanReal, PassesTilted) {
-  for (const auto& [x_deg, y_deg] : {std::pair{5, 0}, {-5, 0}, {0, 5}, {0, -5}}) {
+  for (const auto& [x_deg, y_deg] : {std::pair{5, 0}, {-5, 0}, {0, 5}, {0, -5}, {-8, 0}, {0, -8}}) {
     SCOPED_TRACE(::testing::Message() << x_deg << ", " << y_deg);
     Accepted(Reprojected(frame_, TurnedAboutSand(x_deg, y_deg)));
   }
@@ -157,11 +158,19 @@ TEST_F(ScanReal, PassesWithAFifthOfThePixelsDropped) {
 
 // Beyond what is asked of it the scan may miss a wall by its blurred foot; then it says so.
 TEST_F(ScanReal, SaysWhenAWallIsNotClear) {
-  const DepthFrame shifted = Warped(frame_, {1, 0, -60, 0, 1, 0});
-  EXPECT_THAT(ScanDepth({&shifted, 1}, kKinect, {}).warnings, Contains(HasSubstr("state the box's size")));
+  const DepthFrame tilted = Reprojected(frame_, TurnedAboutSand(0, 8));
+  EXPECT_THAT(ScanDepth({&tilted, 1}, kKinect, {}).warnings,
+              Contains(HasSubstr("state the box's size")));
   ScanPlace place;
   place.box_size_m = Eigen::Vector2d(1.2, 0.8);
   EXPECT_THAT(ScanDepth({&frame_, 1}, kKinect, {}, place).reasons, Contains(HasSubstr("the stated size is 1200 mm")));
+}
+
+// From there the robot's arm above the far wall hides it, and its own edge is the innermost one.
+TEST_F(ScanReal, RefusesAnArmThatHidesAWall) {
+  const DepthFrame tilted = Reprojected(frame_, TurnedAboutSand(11, 0));
+  EXPECT_THAT(ScanDepth({&tilted, 1}, kKinect, {}).reasons,
+              Contains(HasSubstr("a wall rises by 10 to 400 mm")));
 }
 
 TEST(ScanRealHeights, SandPassesAndTheRestIsRefused) {

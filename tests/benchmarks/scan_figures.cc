@@ -1,0 +1,164 @@
+// Figures of the scan: shaped beds seen by the camera model, their box not given, and real frames.
+//
+//   scan_figures SEEDS OUT.json
+//
+// SEEDS beds of each kind and box. Real frames are skipped where the folder of scans is absent.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "data/base/atomic_file.h"
+#include "data/base/machine.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/simulated_beds.h"
+
+namespace sandwright {
+namespace {
+
+constexpr double kMaxTilt_deg = 7;
+constexpr uint64_t kFirstSeed = 1000;  // beds that no limit of the scan was chosen on
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  const double place = share * static_cast<double>(values.size() - 1);
+  return values[static_cast<size_t>(std::lround(place))];
+}
+
+// Processor time of this process [s]: other work on the machine does not lengthen it.
+double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// What the scans of some beds came to.
+struct Tally {
+  int beds = 0, accepted = 0, warned = 0;
+  std::vector<double> corner_mm;  // of the accepted: their worst corner
+
+  void Add(const SimulatedBed& bed, const ScanResult& scan) {
+    ++beds;
+    if (!scan.accepted) return;
+    ++accepted;
+    warned += !scan.warnings.empty();
+    corner_mm.push_back(1000 * WorstCorner(bed, scan.corners_C));
+  }
+  nlohmann::json Json() const {
+    const auto far = std::ranges::count_if(corner_mm, [](double mm) { return mm > 10; });
+    return {{"beds", beds},
+            {"accepted", accepted},
+            {"accepted_with_a_warning", warned},
+            {"accepted_with_a_corner_beyond_10_mm", far},
+            {"worst_corner_median_mm", Quantile(corner_mm, 0.5)},
+            {"worst_corner_p95_mm", Quantile(corner_mm, 0.95)},
+            {"worst_corner_max_mm", Quantile(corner_mm, 1)}};
+  }
+};
+
+nlohmann::json SimulatedFigures(int seeds) {
+  nlohmann::json rows;
+  Tally all;
+  std::vector<double> seconds;
+  for (const bool large_box : {true, false}) {
+    for (const std::string_view kind : kBedKinds) {
+      Tally tally;
+      for (int seed = 0; seed < seeds; ++seed) {
+        BedView view;
+        view.max_tilt_deg = kMaxTilt_deg;
+        view.any_heading = !large_box;
+        const auto bed = DrawBed(kind, large_box, kFirstSeed + static_cast<uint64_t>(seed), view);
+        const double start = CpuSeconds();
+        const ScanResult scan = ScanDepth({&bed.frame, 1}, CameraModel{}, {});
+        seconds.push_back(CpuSeconds() - start);
+        tally.Add(bed, scan);
+        all.Add(bed, scan);
+      }
+      nlohmann::json row = tally.Json();
+      row["sand"] = kind;
+      row["box_mm"] = large_box ? "1200 x 800" : "300 x 300";
+      rows.push_back(row);
+    }
+  }
+  nlohmann::json result = all.Json();
+  result["what"] = fmt::format(
+      "neither box nor pose given; camera tilted by up to {} degrees, turned by up to 12 degrees "
+      "(large box) or at random (small box); sensor noise and holes on; first seed {}",
+      kMaxTilt_deg, kFirstSeed);
+  result["cpu_seconds_median"] = Quantile(seconds, 0.5);
+  result["by_sand"] = rows;
+  return result;
+}
+
+// Distances in plan from the inner corners that the corner tags of the infrared frame show (how
+// they were measured: tests/data/scan_real_test.cc).
+nlohmann::json TagCornerErrors(const ScanResult& scan) {
+  struct Corner {
+    double u, v, tag_m, sand_m;
+  };
+  const std::array<Corner, 4> measured = {{{99.89, 380.94, 1.076, 1.272},
+                                           {450.86, 386.60, 1.066, 1.231},
+                                           {452.00, 100.73, 1.063, 1.232},
+                                           {100.60, 100.62, 1.075, 1.282}}};
+  const Eigen::Vector2d down(0.01074, -0.00239);
+  nlohmann::json errors;
+  for (size_t i = 0; i < 4; ++i) {
+    const Corner& c = measured[i];
+    const Eigen::Vector2d rim((c.u - 256) * c.tag_m / 366, (c.v - 212) * c.tag_m / 366);
+    const Eigen::Vector2d foot = rim + (c.sand_m - c.tag_m) * down;
+    errors.push_back(1000 * (scan.corners_C[i].head<2>() - foot).norm());
+  }
+  return errors;
+}
+
+nlohmann::json RealFigures() {
+  const auto file = SharedFile("data/scans/kinect2_depth_levelled_box.npy");
+  if (!std::filesystem::exists(file)) return "skipped: the folder of real scans is absent";
+  const DepthFrame frame = ReadDepthFrame(file);
+  std::vector<double> seconds;
+  ScanResult scan;
+  for (int round = 0; round < 5; ++round) {
+    const double start = CpuSeconds();
+    scan = ScanDepth({&frame, 1}, CameraModel{}, {});
+    seconds.push_back(CpuSeconds() - start);
+  }
+  const auto invalid = std::ranges::count(frame.depth_m, 0.0f);
+  return {{"frame", file.filename()},
+          {"accepted", scan.accepted},
+          {"cpu_seconds_median", Quantile(seconds, 0.5)},
+          {"noise_mm", scan.noise_mm},
+          {"invalid_share_frame",
+           static_cast<double>(invalid) / static_cast<double>(frame.depth_m.size())},
+          {"invalid_share_box", scan.invalid_share},
+          {"interpolated_share", scan.interpolated_share},
+          {"tilt_removed_deg", scan.tilt_removed_deg},
+          {"corner_errors_mm", TagCornerErrors(scan)}};
+}
+
+}  // namespace
+
+void Main(int seeds, const char* file) {
+  const nlohmann::json result = {
+      {"command", fmt::format("scan_figures {} {}", seeds, file)},
+      {"commit", BuildCommit()},
+      {"machine", MachineDescription()},
+      {"threads_used", 1},
+      {"simulated_beds", SimulatedFigures(seeds)},
+      {"real_frame", RealFigures()}};
+  WriteFileAtomically(file, result.dump(2) + "\n");
+}
+
+}  // namespace sandwright
+
+int main(int argc, char** argv) {
+  if (argc != 3 || std::atoi(argv[1]) < 1) {
+    fmt::print(stderr, "usage: scan_figures SEEDS OUT.json (SEEDS >= 1)\n");
+    return 2;
+  }
+  try {
+    sandwright::Main(std::atoi(argv[1]), argv[2]);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+  return 0;
+}
