@@ -15,8 +15,9 @@ namespace {
 // Explicit steps are stable up to 1/4; each cell then gives at most four times that share of its
 // height, so none goes below the floor.
 constexpr double kPlainStep = 0.24;
-// Longer Legendre sums distort fronts.
-constexpr int kMaxStages = 9;
+// Longer Legendre sums distort fronts: at rest for good, while the blade moves until the next flow.
+constexpr int kFlowStages = 17, kSettleStages = 9;
+constexpr double Reach(int stages) { return kPlainStep * stages * (stages + 1) / 2; }
 // Share by which a slope must pass the angle to count as still flowing: while the blade moves, and at rest.
 constexpr double kFlowTolerance = 0.05, kRestTolerance = 1e-3;
 // Above the rounding of slopes in float, so that a slope exactly at the angle does not creep.
@@ -151,9 +152,8 @@ void Avalanche::PlainSteps(double rise_m, double amount) {
 // mu_j = (2j - 1)/j, nu_j = (1 - j)/j, w = 2/(s^2 + s), written as Y(j-1) + (1 - 1/j) (Y(j-1) - Y(j-2))
 // + ..., so that a cell at rest keeps its bits.
 void Avalanche::SuperStep(double rise_m, double amount) {
-  const auto reach = [](int s) { return kPlainStep * s * (s + 1) / 2; };
   int stages = 1;
-  while (stages < kMaxStages && reach(stages) < amount - 1e-9) ++stages;
+  while (Reach(stages) < amount - 1e-9) ++stages;
   const double w_tau = 2 * amount / (stages * (stages + 1));
   Stage(start_, start_, 0, static_cast<float>(w_tau), rise_m, y1_);
   std::vector<float>*before = &start_, *last = &y1_, *next = &y2_;
@@ -173,8 +173,7 @@ void Avalanche::SuperStep(double rise_m, double amount) {
 }
 
 void Avalanche::Advance(double rise_m, double amount) {
-  const double longest = kPlainStep * kMaxStages * (kMaxStages + 1) / 2;
-  const int count = std::max(1, static_cast<int>(std::ceil(amount / longest - 1e-9)));
+  const int count = std::max(1, static_cast<int>(std::ceil(amount / Reach(kFlowStages) - 1e-9)));
   for (int i = 0; i < count; ++i) SuperStep(rise_m, amount / count);
 }
 
@@ -190,7 +189,6 @@ void Avalanche::Flow(double tan_angle, double amount, std::span<const CellFace> 
 
 void Avalanche::Settle(double tan_angle) {
   const double rise_m = tan_angle * map_.cell_size_m;
-  const double longest = kPlainStep * kMaxStages * (kMaxStages + 1) / 2;
   active_ = touched_;
   for (bool everywhere = true; !active_.empty();) {
     Load(active_, {});
@@ -207,7 +205,7 @@ void Avalanche::Settle(double tan_angle) {
     if (steep.steepest > 4 * rise_m * rise_m)
       PlainSteps(rise_m * (1 + kRoundingSlack), kMargin * kPlainStep);
     else
-      SuperStep(rise_m * (1 + kRoundingSlack), longest);
+      SuperStep(rise_m * (1 + kRoundingSlack), Reach(kSettleStages));
     Store(rise_m);
   }
 }

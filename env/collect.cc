@@ -15,8 +15,7 @@
 namespace sandwright {
 namespace {
 
-constexpr uint64_t kTerrain = StreamId("collect terrain"), kStroke = StreamId("collect stroke"),
-                   kPacking = StreamId("collect packing");
+constexpr uint64_t kTerrain = StreamId("collect terrain"), kStroke = StreamId("collect stroke");
 
 constexpr int kDraws = 10;  // of a stroke, where grains get lost
 
@@ -100,9 +99,11 @@ class Collector {
     RandomStream stream(request_.seed, kTerrain, static_cast<uint64_t>(index));
     return GenerateTerrain(config_.terrain, rows_, columns_, config_.cell_size_m, stream);
   }
-  // Packings of grains: one a bed, or one a replicate, the same for all strokes of a file.
+  // Settling is dear and every bed is carved anew, so beds take turns with a few packings, whatever
+  // the run; replicates have one each.
   uint64_t PackingSeed(int64_t index) const {
-    return RandomStream(request_.seed, kPacking, static_cast<uint64_t>(index)).Next64();
+    constexpr int64_t kPool = 3;
+    return static_cast<uint64_t>(config_.packings > 1 ? index : index % kPool);
   }
 
   // The bed as its last stroke left it. Takes the file lock.

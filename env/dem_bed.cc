@@ -97,7 +97,7 @@ GrainBed CarvedBed(const DemConfig& config, const HeightMap& terrain, uint64_t s
                    const std::function<bool()>& stop) {
   if (terrain.datum != Datum::kFloor)
     throw Error("sand model 'dem' (grains) needs heights above the floor; this terrain's datum is relative");
-  constexpr double kDepthStep_m = 0.01;  // so that similar terrains share one settled bed
+  constexpr double kDepthStep_m = 0.02;  // so that similar terrains share one settled bed
   const double highest_m = *std::ranges::max_element(terrain.height_m);
   const double depth_m = std::ceil((highest_m + 2 * config.material.grain_m) / kDepthStep_m) * kDepthStep_m;
   const GrainBed full =

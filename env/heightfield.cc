@@ -15,6 +15,8 @@
 namespace sandwright {
 namespace {
 
+constexpr double kRounding_m = 1e-9;
+
 double TanDegrees(double angle_deg) { return std::tan(angle_deg * std::numbers::pi / 180); }
 
 }  // namespace
@@ -47,10 +49,14 @@ Outcome Heightfield::ApplyOne(SandState& state, const ToolPath& path) const {
   Avalanche avalanche(map);
   const double repose_tan = TanDegrees(config_.repose_deg);
   avalanche.Disturb(blade.Plunge(poses.front()));
+  double still_m = 0;  // travel since the last flow
   for (size_t k = 1; k < poses.size(); ++k) {
     avalanche.Disturb(blade.Advance(poses[k - 1], poses[k]));
-    const double diffusion_m2 = config_.relaxation_m * Travel(poses[k - 1], poses[k], config_.blade);
+    still_m += Travel(poses[k - 1], poses[k], config_.blade);
+    if (still_m < config_.flow_every_m - kRounding_m && k + 1 < poses.size()) continue;
+    const double diffusion_m2 = config_.relaxation_m * still_m;
     avalanche.Flow(repose_tan, diffusion_m2 / (cell * cell), blade.ClosedFaces(poses[k]));
+    still_m = 0;
   }
   avalanche.Settle(repose_tan);
   outcome.changed = avalanche.touched();
