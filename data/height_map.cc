@@ -17,8 +17,8 @@ CellRect Union(const CellRect& a, const CellRect& b) {
 }
 
 void CheckHeightMap(const HeightMap& map, const std::string& source, bool nan_allowed) {
-  if (map.rows < 2 || map.columns < 2)
-    throw Error(fmt::format("{}: the map has {} x {} cells; at least 2 x 2 are needed", source,
+  if (map.rows < 1 || map.columns < 1 || map.rows + map.columns < 3)
+    throw Error(fmt::format("{}: the map has {} x {} cells; at least 1 x 2 are needed", source,
                             map.rows, map.columns));
   if (!(map.cell_size_m > 0) || !std::isfinite(map.cell_size_m))
     throw Error(fmt::format("{}: cell_size_m = {}; must be > 0", source, map.cell_size_m));

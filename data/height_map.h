@@ -60,7 +60,7 @@ struct CellRect {
 // The smallest rectangle that holds both; an empty one adds nothing.
 CellRect Union(const CellRect& a, const CellRect& b);
 
-// Throws Error naming `source` and the first bad cell: at least 2 x 2 cells, a positive cell size,
+// Throws Error naming `source` and the first bad cell: at least 1 x 2 cells, a positive cell size,
 // finite heights (NaN is allowed where `nan_allowed`: goals), sizes of valid and mask.
 void CheckHeightMap(const HeightMap& map, const std::string& source, bool nan_allowed = false);
 

@@ -15,8 +15,10 @@ namespace {
 // Explicit steps are stable up to 1/4; each cell then gives at most four times that share of its
 // height, so none goes below the floor.
 constexpr double kPlainStep = 0.24;
-// Longer Legendre sums distort fronts: at rest for good, while the blade moves until the next flow.
-constexpr int kFlowStages = 17, kSettleStages = 9;
+// Longer Legendre sums distort fronts; what comes to rest stays distorted, so it gets shorter ones and,
+// while a slope is this much steeper than critical, plain steps (tests/support/reference_avalanche.h).
+constexpr int kFlowStages = 9, kSettleStages = 5;
+constexpr double kPlainAbove = 1.14;
 constexpr double Reach(int stages) { return kPlainStep * stages * (stages + 1) / 2; }
 // Share by which a slope must pass the angle to count as still flowing: while the blade moves, and at rest.
 constexpr double kFlowTolerance = 0.05, kRestTolerance = 1e-3;
@@ -33,36 +35,42 @@ float LowestIn(const std::vector<float>& heights) {
 
 }  // namespace
 
-Avalanche::Avalanche(HeightMap& map) : map_(map), resist_(map.size(), kFirm) {}
+Avalanche::Avalanche(HeightMap& map) : map_(map), loose_(map.size(), 0), firm_m_(map.height_m) {}
 
 void Avalanche::Disturb(std::span<const size_t> cells) {
   const auto columns = static_cast<size_t>(map_.columns);
   for (const size_t cell : cells) {
-    resist_[cell] = 1;
+    loose_[cell] = 1;
     const int row = static_cast<int>(cell / columns), column = static_cast<int>(cell % columns);
     active_ = Union(active_, {row, column, row + 1, column + 1});
   }
   touched_ = Union(touched_, active_);
 }
 
-void Avalanche::Load(const CellRect& active, std::span<const CellFace> closed) {
+void Avalanche::Load(const CellRect& active, std::span<const CellFace> closed, double rise_m) {
   window_ = {std::max(active.row0 - kMargin, 0), std::max(active.column0 - kMargin, 0),
              std::min(active.row1 + kMargin, map_.rows),
              std::min(active.column1 + kMargin, map_.columns)};
   stride_ = WholeLanes(window_.columns()) + 2;
   const size_t size = static_cast<size_t>(stride_) * static_cast<size_t>(window_.rows() + 2);
-  for (std::vector<float>* y : {&start_, &window_resist_}) y->resize(size);
+  for (std::vector<float>* y : {&start_, &window_firm_, &window_loose_, &resist_x_, &resist_y_})
+    y->resize(size);
   for (int row = -1; row <= window_.rows(); ++row) {
     const int from = std::clamp(window_.row0 + row, 0, map_.rows - 1);
-    const float* source = &map_.height_m[map_.Index(from, 0)];
-    float* target = &start_[static_cast<size_t>((row + 1) * stride_)];
-    std::copy(source + window_.column0, source + window_.column1, target + 1);
-    std::copy_n(&resist_[map_.Index(from, window_.column0)], window_.columns(),
-                &window_resist_[static_cast<size_t>((row + 1) * stride_ + 1)]);
-    target[0] = source[std::max(window_.column0 - 1, 0)];
-    target[window_.columns() + 1] = source[std::min(window_.column1, map_.columns - 1)];
+    const auto copy_row = [&](const std::vector<float>& whole, std::vector<float>& part) {
+      const float* source = &whole[map_.Index(from, 0)];
+      float* target = &part[static_cast<size_t>((row + 1) * stride_)];
+      target[0] = source[std::max(window_.column0 - 1, 0)];
+      std::copy(source + window_.column0, source + window_.column1, target + 1);
+      target[window_.columns() + 1] = source[std::min(window_.column1, map_.columns - 1)];
+    };
+    copy_row(map_.height_m, start_);
+    copy_row(firm_m_, window_firm_);
+    copy_row(loose_, window_loose_);
   }
   out_ = y1_ = y2_ = start_;  // the ring outside the window stays as it is
+  FaceResistance(window_firm_.data(), window_loose_.data(), window_.rows(), window_.columns(), stride_,
+                 static_cast<float>(rise_m), resist_x_.data(), resist_y_.data());
 
   mask_row0_ = window_.rows();
   mask_row1_ = 0;
@@ -82,9 +90,10 @@ void Avalanche::Store(double rise_m) {
   for (int row = 0; row < window_.rows(); ++row) {
     const float* source = &start_[static_cast<size_t>((row + 1) * stride_ + 1)];
     const size_t first = map_.Index(window_.row0 + row, window_.column0);
-    float *target = &map_.height_m[first], *resist = &resist_[first];
+    float *target = &map_.height_m[first], *loose = &loose_[first];
+    const float* firm = &firm_m_[first];
     for (int i = 0; i < window_.columns(); ++i) {
-      if (std::abs(source[i] - target[i]) > moved) resist[i] = 1;
+      if (std::abs(source[i] - firm[i]) > moved) loose[i] = 1;
       target[i] = source[i];
     }
   }
@@ -111,7 +120,7 @@ void Avalanche::Stage(const std::vector<float>& y1, const std::vector<float>& y2
                       float step, double rise_m, std::vector<float>& out) {
   flux_.resize(3 * static_cast<size_t>(stride_));
   AdvanceWindow({y1.data(), y2.data(), out.data(), open_x_.data(), open_y_.data(),
-                 window_resist_.data(), flux_.data(), window_.rows(), window_.columns(), stride_, mask_row0_, mask_row1_, momentum, step,
+                 resist_x_.data(), resist_y_.data(), flux_.data(), window_.rows(), window_.columns(), stride_, mask_row0_, mask_row1_, momentum, step,
                  static_cast<float>(rise_m)});
   MirrorWalls(out);
 }
@@ -120,7 +129,7 @@ Avalanche::Steepness Avalanche::FindSteep(double rise_m) {
   const int rows = window_.rows(), columns = window_.columns();
   std::vector<float> of_row(static_cast<size_t>(rows)), of_column(static_cast<size_t>(columns));
   flux_.resize(3 * static_cast<size_t>(stride_));
-  SteepestFaces({start_.data(), nullptr, nullptr, open_x_.data(), open_y_.data(), window_resist_.data(),
+  SteepestFaces({start_.data(), nullptr, nullptr, open_x_.data(), open_y_.data(), resist_x_.data(), resist_y_.data(),
                  flux_.data(), rows, columns, stride_, mask_row0_, mask_row1_, 0, 0, static_cast<float>(rise_m)},
                 of_row.data(), of_column.data());
   const auto limit = static_cast<float>(rise_m * rise_m);
@@ -179,8 +188,8 @@ void Avalanche::Advance(double rise_m, double amount) {
 
 void Avalanche::Flow(double tan_angle, double amount, std::span<const CellFace> closed) {
   if (active_.empty()) return;
-  Load(active_, closed);
   const double rise_m = tan_angle * map_.cell_size_m;
+  Load(active_, closed, rise_m);
   active_ = FindSteep(rise_m * (1 + kFlowTolerance)).where;
   if (active_.empty()) return;
   Advance(rise_m * (1 + kRoundingSlack), amount);
@@ -191,7 +200,7 @@ void Avalanche::Settle(double tan_angle) {
   const double rise_m = tan_angle * map_.cell_size_m;
   active_ = touched_;
   for (bool everywhere = true; !active_.empty();) {
-    Load(active_, {});
+    Load(active_, {}, rise_m);
     const Steepness steep = FindSteep(rise_m * (1 + kRestTolerance));
     active_ = steep.where;
     if (active_.empty()) {
@@ -201,8 +210,7 @@ void Avalanche::Settle(double tan_angle) {
       continue;
     }
     everywhere = false;
-    // Super steps distort spikes and fresh cliffs; plain ones take their tops off first.
-    if (steep.steepest > 4 * rise_m * rise_m)
+    if (steep.steepest > kPlainAbove * kPlainAbove * rise_m * rise_m)
       PlainSteps(rise_m * (1 + kRoundingSlack), kMargin * kPlainStep);
     else
       SuperStep(rise_m * (1 + kRoundingSlack), Reach(kSettleStages));

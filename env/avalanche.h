@@ -19,7 +19,8 @@ struct CellFace {
 };
 
 // Moves loose sand down the slopes of one map, in place. Sand is loose where it was disturbed, and
-// becomes so where an avalanche moves it; other sand lies as it is, however steep. Only a window
+// becomes so where an avalanche moves it; other sand lies as steep as it lay, and flows only where it gets
+// steeper than that and than repose. Only a window
 // around loose sand on the move is ever touched. The volume is kept to rounding and no cell falls
 // below the lower of the floor and the lowest cell of its window. Not for several threads at once.
 class Avalanche {
@@ -47,7 +48,7 @@ class Avalanche {
     float steepest = 0;
   };
 
-  void Load(const CellRect& active, std::span<const CellFace> closed);
+  void Load(const CellRect& active, std::span<const CellFace> closed, double rise_m);
   void Store(double rise_m);
   Steepness FindSteep(double rise_m);
   void Advance(double rise_m, double amount);
@@ -58,11 +59,12 @@ class Avalanche {
   void MirrorWalls(std::vector<float>& y) const;
 
   HeightMap& map_;
-  std::vector<float> resist_;  // [map] 1 = loose, kFirm = firm
+  std::vector<float> loose_;   // [map] 1 = loose, 0 = firm
+  std::vector<float> firm_m_;  // [map] heights at the start: firm sand that crept away from them is loose
   CellRect active_, touched_;   // where sand may be on the move; where it ever was
   CellRect window_;
   int stride_ = 0;                      // of the buffers: the window with a ring of one cell
-  std::vector<float> start_, y1_, y2_, out_, window_resist_;
+  std::vector<float> start_, y1_, y2_, out_, window_firm_, window_loose_, resist_x_, resist_y_;
   int mask_row0_ = 0, mask_row1_ = 0;   // rows of the window near closed faces
   std::vector<float> open_x_, open_y_;  // 1 = open, 0 = closed; only valid on those rows
   std::vector<float> flux_;             // scratch rows

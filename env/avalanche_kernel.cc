@@ -50,11 +50,6 @@ SAND_INLINE float Flux(Rise r, float rise_m) {
   return r.along * std::max(0.0f, 1.0f - rise_m / std::sqrt(r.squared() + kNotZero));
 }
 
-// Of the face between cell i and the one at i + step.
-SAND_INLINE float Resist(const float* resist, int i, int step) {
-  return std::min(resist[i], resist[i + step]);
-}
-
 // Squared slope as a share of what the face resists. A face that is all but level along its own
 // direction counts as level: steep firm sand beside it cannot move, so it would count for ever.
 SAND_INLINE float Felt(Rise r, float resist, float rise_m) {
@@ -62,6 +57,10 @@ SAND_INLINE float Felt(Rise r, float resist, float rise_m) {
   const float squared = r.squared() / (resist * resist);
   return std::abs(r.along) > kLevel * rise_m ? squared : 0.0f;
 }
+
+// What untouched sand holds beyond the critical slope, or sand at repose would creep wherever its
+// neighbour does.
+constexpr float kFirmer = 1.005f;
 
 }  // namespace
 
@@ -77,21 +76,22 @@ SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
     const int first = (row + 1) * stride + 1;
     const float* h = w.y1 + first;
     const float* earlier = w.y2 + first;
-    const float *ox = w.open_x + first, *oy = w.open_y + first, *resist = w.resist + first;
+    const float *ox = w.open_x + first, *oy = w.open_y + first;
+    const float *rx = w.resist_x + first, *ry = w.resist_y + first;
     float* __restrict out = w.out + first;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
     if (masked) {
-      for (int i = 0; i < faces; ++i) flux_x[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m * Resist(resist, i, 1));
+      for (int i = 0; i < faces; ++i) flux_x[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m * rx[i]);
     } else {
-      for (int i = 0; i < faces; ++i) flux_x[i + 1] = Flux(RiseX(h, stride, i), rise_m * Resist(resist, i, 1));
+      for (int i = 0; i < faces; ++i) flux_x[i + 1] = Flux(RiseX(h, stride, i), rise_m * rx[i]);
     }
     flux_x[columns] = 0;
     if (row + 1 == w.rows) {
       std::fill(flux_high, flux_high + columns, 0.0f);
     } else if (masked) {
-      for (int i = 0; i < faces; ++i) flux_high[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m * Resist(resist, i, stride));
+      for (int i = 0; i < faces; ++i) flux_high[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m * ry[i]);
     } else {
-      for (int i = 0; i < faces; ++i) flux_high[i] = Flux(RiseY(h, stride, i), rise_m * Resist(resist, i, stride));
+      for (int i = 0; i < faces; ++i) flux_high[i] = Flux(RiseY(h, stride, i), rise_m * ry[i]);
     }
     for (int i = 0; i < columns; ++i) {
       const float inflow = (flux_x[i + 1] - flux_x[i]) + (flux_high[i] - flux_low[i]);
@@ -112,20 +112,21 @@ SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_
   for (int row = 0; row < w.rows; ++row) {
     const int first = (row + 1) * stride + 1;
     const float* h = w.y1 + first;
-    const float *ox = w.open_x + first, *oy = w.open_y + first, *resist = w.resist + first;
+    const float *ox = w.open_x + first, *oy = w.open_y + first;
+    const float *rx = w.resist_x + first, *ry = w.resist_y + first;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
     if (masked) {
-      for (int i = 0; i < faces; ++i) square_x[i + 1] = Felt(MaskedRiseX(h, ox, oy, stride, i), Resist(resist, i, 1), rise_m);
+      for (int i = 0; i < faces; ++i) square_x[i + 1] = Felt(MaskedRiseX(h, ox, oy, stride, i), rx[i], rise_m);
     } else {
-      for (int i = 0; i < faces; ++i) square_x[i + 1] = Felt(RiseX(h, stride, i), Resist(resist, i, 1), rise_m);
+      for (int i = 0; i < faces; ++i) square_x[i + 1] = Felt(RiseX(h, stride, i), rx[i], rise_m);
     }
     square_x[0] = square_x[columns] = 0;  // square_x[i]: between columns i - 1 and i
     if (row + 1 == w.rows) {
       std::fill(square_y, square_y + columns, 0.0f);
     } else if (masked) {
-      for (int i = 0; i < faces; ++i) square_y[i] = Felt(MaskedRiseY(h, ox, oy, stride, i), Resist(resist, i, stride), rise_m);
+      for (int i = 0; i < faces; ++i) square_y[i] = Felt(MaskedRiseY(h, ox, oy, stride, i), ry[i], rise_m);
     } else {
-      for (int i = 0; i < faces; ++i) square_y[i] = Felt(RiseY(h, stride, i), Resist(resist, i, stride), rise_m);
+      for (int i = 0; i < faces; ++i) square_y[i] = Felt(RiseY(h, stride, i), ry[i], rise_m);
     }
     float largest = 0, largest_y = 0;
     for (int i = 0; i < columns; ++i) {
@@ -136,6 +137,22 @@ SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_
     }
     of_row[row] = std::max(of_row[row], largest);
     if (row + 1 < w.rows) of_row[row + 1] = largest_y;
+  }
+}
+
+SAND_WIDE void FaceResistance(const float* firm, const float* loose, int rows, int columns, int stride,
+                              float rise_m, float* resist_x, float* resist_y) {
+  const int faces = WholeLanes(columns);
+  const auto resist = [rise_m](Rise r, float either_loose) {
+    const float firm_share = std::max(kFirmer, std::sqrt(r.squared()) / rise_m);
+    return either_loose + (1 - either_loose) * firm_share;
+  };
+  for (int row = 0; row < rows; ++row) {
+    const int first = (row + 1) * stride + 1;
+    const float *h = firm + first, *l = loose + first;
+    float *__restrict rx = resist_x + first, *__restrict ry = resist_y + first;
+    for (int i = 0; i < faces; ++i) rx[i] = resist(RiseX(h, stride, i), std::max(l[i], l[i + 1]));
+    for (int i = 0; i < faces; ++i) ry[i] = resist(RiseY(h, stride, i), std::max(l[i], l[i + stride]));
   }
 }
 

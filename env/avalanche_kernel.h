@@ -17,7 +17,10 @@ struct AvalancheWindow {
   float* out;           // y1 + momentum * (y1 - y2) + step * (net inflow)
   const float* open_x;  // 1 = open, 0 = closed: the face of a cell towards the next column
   const float* open_y;  // the same towards the next row
-  const float* resist;  // of each cell: 1 = loose, kFirm = lies as it is
+  // Slope that a face resists, over the critical one (>= 1): of a cell's face towards the next column
+  // and the next row, read as open_x and open_y are.
+  const float* resist_x;
+  const float* resist_y;
   float* flux;          // scratch, 3 * stride
   int rows, columns, stride;
   int mask_row0, mask_row1;  // rows of the window where faces may be closed
@@ -25,16 +28,17 @@ struct AvalancheWindow {
   float rise_m;  // critical height difference over one cell
 };
 
-// Resistance of a cell whose sand nobody has touched: a face flows where one of its cells is loose.
-inline constexpr float kFirm = 1e6f;
-
 // One stage over the window (its ring is read, never written).
 void AdvanceWindow(const AvalancheWindow& window);
 
 // Largest squared slope [m^2 over one cell] of the faces of each row and of each column; a face counts
-// for both its cells, one between firm cells not at all. Only y1, resist, rise_m and
-// the masks are read.
+// for both its cells, as a share of what it resists. Only y1, resist, rise_m and the masks are read.
 void SteepestFaces(const AvalancheWindow& window, float* of_row, float* of_column);
+
+// What the faces of a window resist: 1 where a cell beside is loose (`loose` 1), else the slope at which
+// they lay in `firm`, heights before anything moved, and at least a little more than 1. Buffers as above.
+void FaceResistance(const float* firm, const float* loose, int rows, int columns, int stride, float rise_m,
+                    float* resist_x, float* resist_y);
 
 // Smallest of `count` > 0 heights.
 float LowestHeight(const float* heights, int count);

@@ -149,7 +149,7 @@ void BladeCut::Cut(const Placed& from, const Placed& to) {
   if (sunk > 0 || from.pose.yaw_rad != to.pose.yaw_rad) FindRoom(to, -1, behind_, receivers_behind_);
   const auto take = [&](size_t cell, double amount, const Between& place, Strips& strips) {
     const float before = map_.height_m[cell];
-    map_.height_m[cell] = static_cast<float>(before - amount);
+    map_.height_m[cell] = static_cast<float>(std::max(before - amount, floor_m_));
     const double taken = static_cast<double>(before) - map_.height_m[cell];
     place.Add(taken, strips.volume);
   };

@@ -15,9 +15,25 @@
 namespace sandwright {
 namespace {
 
-constexpr double kRounding_m = 1e-9;
-
 double TanDegrees(double angle_deg) { return std::tan(angle_deg * std::numbers::pi / 180); }
+
+// Thousands of steps in float lose or make some millionths of the volume: gives them back, spread over
+// the cells that moved and lie clear of the floor.
+void GiveBackRounding(const HeightMap& before, const CellRect& rect, HeightMap& map) {
+  constexpr float kClear_m = 1e-3f;
+  double made_m = 0;  // heights summed over cells
+  std::vector<size_t> moved;
+  for (int row = rect.row0; row < rect.row1; ++row) {
+    for (int column = rect.column0; column < rect.column1; ++column) {
+      const size_t cell = map.Index(row, column);
+      const double change_m = static_cast<double>(map.height_m[cell]) - before.height_m[cell];
+      made_m += change_m;
+      if (change_m != 0 && map.height_m[cell] > kClear_m) moved.push_back(cell);
+    }
+  }
+  const double share_m = moved.empty() ? 0 : made_m / static_cast<double>(moved.size());
+  for (const size_t cell : moved) map.height_m[cell] = static_cast<float>(map.height_m[cell] - share_m);
+}
 
 }  // namespace
 
@@ -49,19 +65,16 @@ Outcome Heightfield::ApplyOne(SandState& state, const ToolPath& path) const {
   Avalanche avalanche(map);
   const double repose_tan = TanDegrees(config_.repose_deg);
   avalanche.Disturb(blade.Plunge(poses.front()));
-  double still_m = 0;  // travel since the last flow
   for (size_t k = 1; k < poses.size(); ++k) {
     avalanche.Disturb(blade.Advance(poses[k - 1], poses[k]));
-    still_m += Travel(poses[k - 1], poses[k], config_.blade);
-    if (still_m < config_.flow_every_m - kRounding_m && k + 1 < poses.size()) continue;
-    const double diffusion_m2 = config_.relaxation_m * still_m;
+    const double diffusion_m2 = config_.relaxation_m * Travel(poses[k - 1], poses[k], config_.blade);
     avalanche.Flow(repose_tan, diffusion_m2 / (cell * cell), blade.ClosedFaces(poses[k]));
-    still_m = 0;
   }
   avalanche.Settle(repose_tan);
   outcome.changed = avalanche.touched();
   if (outcome.changed.empty()) return outcome;
 
+  GiveBackRounding(state.map(), outcome.changed, map);
   outcome.moved_volume_m3 = MovedVolume(state.map(), map, outcome.changed);
   SAND_CHECK(std::isfinite(outcome.moved_volume_m3));
   state.Replace(std::move(map));

@@ -11,7 +11,6 @@ struct HeightfieldConfig {
   double repose_deg = 33;
   double relaxation_m = 0.07;
   double substep_cells = 0.5;
-  double flow_every_m = 0.002;
   int64_t threads = 1;
   CutLaw cut;
   Blade blade;
@@ -21,8 +20,6 @@ struct HeightfieldConfig {
     f.Add("relaxation_m", relaxation_m,
           "how far slopes even out while the blade moves: diffusion a metre of travel [m]", 0, 10);
     f.Add("substep_cells", substep_cells, "blade travel of one substep [cells]", 0.05, 1);
-    f.Add("flow_every_m", flow_every_m,
-          "travel of the blade between two flows of loose sand, at least one substep [m]", 0, 0.1);
     f.Add("threads", threads, "threads for a batch of strokes", 1, 1024);
     f.Section("cut", cut);
     f.Section("blade", blade);

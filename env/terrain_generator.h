@@ -34,7 +34,7 @@ struct TerrainConfig {
 
 // Smooth noise at several scales, shapes and a slope, settled to repose. The mean depth is exact to rounding; no cell
 // is below a fifth of it (the amplitude gives way). Same stream, same bytes. Throws Error where a
-// value is out of range or the grid has less than 2 x 2 cells.
+// value is out of range or the grid has less than 1 x 2 cells.
 HeightMap GenerateTerrain(const TerrainConfig& config, int rows, int columns, double cell_size_m,
                           RandomStream& stream);
 

@@ -261,7 +261,7 @@ TEST(Heightfield, BadInputThrowsBeforeAnythingChanges) {
     EXPECT_EQ(states[0].map().height_m, good.height_m);
   };
   expect_error(bad, {{0.1, 0.1, 0.03, 0}}, "row 3, column 4 is nan");
-  expect_error(HeightMap(1, 1, 0.005, 0.05f), {{0.1, 0.1, 0.03, 0}}, "at least 2 x 2");
+  expect_error(HeightMap(1, 1, 0.005, 0.05f), {{0.1, 0.1, 0.03, 0}}, "at least 1 x 2");
   expect_error(good, {}, "tool path 1 is empty");
   expect_error(good, {{0.1, std::nan(""), 0.03, 0}}, "not finite");
   HeightfieldConfig config;
