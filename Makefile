@@ -7,12 +7,16 @@ PYTHON ?= .venv/bin/python
 PRESET ?= release
 JOBS ?= $(shell nproc)
 
-.PHONY: setup build test demo clean
+.PHONY: setup lammps build test demo clean
 .DEFAULT_GOAL := build
 
 # Debian packages that are missing (sudo where not root), then the pinned wheels.
 setup:
 	@./setup.sh $(PYTHON)
+
+# Optional: the engine of the sand model `dem`. Without it that model says so, and its tests are skipped.
+lammps:
+	@./setup.sh $(PYTHON) packages-dem.txt
 
 build: setup
 	@cmake --preset $(PRESET) -DSANDWRIGHT_PYTHON=$(abspath $(shell command -v $(PYTHON))) $(CMAKE_FLAGS) --log-level=NOTICE

@@ -1,14 +1,15 @@
 #!/bin/sh
-# setup.sh PYTHON: installs what is missing and skips what is there.
+# setup.sh PYTHON [FILE...]: installs what is missing and skips what is there; FILE: more Debian packages.
 #   PYTHON = .venv/bin/python: made here, with the wheels of requirements.txt
 #   any other PYTHON: taken as it is; it must have torch and mujoco
 set -eu
 cd "$(dirname "$0")"
 python=$1
+shift
 
 if command -v dpkg-query >/dev/null; then
   missing=
-  for package in $(sed 's/#.*//' packages.txt); do
+  for package in $(sed 's/#.*//' packages.txt "$@"); do
     case $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true) in
       installed) ;;
       *) missing="$missing $package" ;;
