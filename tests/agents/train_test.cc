@@ -34,7 +34,9 @@ TrainConfig SmallConfig() {
   config.task.max_strokes = 5;
   config.env.num_envs = 8;
   config.env.observation.rows = config.env.observation.columns = 12;
-  config.network = {.channels = 4, .hidden = 8, .headings = 4};
+  config.network.channels = 4;
+  config.network.hidden = 8;
+  config.network.headings = 4;
   config.ppo.num_steps = 8;
   config.ppo.minibatch_size = 32;
   config.evaluate_every = 128;

@@ -112,7 +112,7 @@ TEST_F(DemTest, SeveralRanksMoveTheSameBed) {
 TEST_F(DemTest, ReportsWhatIsClipped) {
   SandState state = Bed();
   DemReport report;
-  const ToolPath through_the_wall = SamplePath(Line(0.03, 0.05, 0.02, 0.03), 0.002);
+  const ToolPath through_the_wall = SamplePath(Line(0.03, 0.05, 0.022, 0.037), 0.002);
   const Outcome outcome = Dem(Config()).ApplyStroke(state, through_the_wall, report);
   EXPECT_TRUE(outcome.left_box);
   EXPECT_FALSE(outcome.below_floor);
