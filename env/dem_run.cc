@@ -200,7 +200,8 @@ DemReport Run(const DemConfig& config, const std::string& script, DemScene& scen
   WriteFileAtomically(folder.path() / "in.lmp", script);
   std::vector<std::string> words = {"lmp", "-in", "in.lmp", "-log", "none"};
   if (config.ranks > 1)
-    words.insert(words.begin(), {"mpirun", "--oversubscribe", "--allow-run-as-root", "-n",
+    words.insert(words.begin(), {"mpirun", "--oversubscribe", "--allow-run-as-root", "--mca",
+                                 "mpi_yield_when_idle", "1", "-n",
                                  std::to_string(config.ranks)});
   DemReport report;
   report.grains_moving = std::ranges::count(scene.held, uint8_t{0});

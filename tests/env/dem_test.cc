@@ -57,7 +57,7 @@ double RmsDifference(const HeightMap& a, const HeightMap& b) {
   return std::sqrt(squared / static_cast<double>(a.size()));
 }
 
-ToolPath Cut(double x0, double x1) { return SamplePath(Line(x0, x1, 0.04, 0.024), 0.002); }
+ToolPath Cut(double x0, double x1) { return SamplePath(Line(x0, x1, 0.04, 0.027), 0.002); }
 
 TEST_F(DemTest, ABedComesNearToItsTerrain) {
   const HeightMap terrain = Terrain();
