@@ -1,9 +1,11 @@
-// sandwright fit: trains a surrogate on recorded strokes.
+// sandwright fit: trains a surrogate on recorded strokes, or calibrates the heightfield on them.
 #include <cstdio>
 
 #include "cli/command.h"
 #include "data/base/atomic_file.h"
+#include "data/base/progress.h"
 #include "data/stroke_dataset.h"
+#include "env/fit_heightfield.h"
 #include "env/fit_surrogate.h"
 
 namespace sandwright {
@@ -14,16 +16,29 @@ class FitCommand final : public Command {
   void Declare(CLI::App& app) override {
     app.add_option("--data", data_, "stroke files or folders to train on")->required();
     app.add_option("--validation", validation_,
-                   "stroke files or folders of other beds, for early stopping");
+                   "stroke files or folders of other beds: early stopping, held-out figures");
     app.add_option("--init", init_, "start from this surrogate")->check(CLI::ExistingFile);
-    app.add_option("--out", out_, "surrogate to write (.safetensors)")->required();
+    app.add_option("--out", out_, "what to write: surrogate (.safetensors) or heightfield (.yaml)")
+        ->required();
   }
-  void Fields(FieldList& f) override { config_.Fields(f); }
+  void Fields(FieldList& f) override {
+    f.Add("model", model_, "what is fitted", {"surrogate", "heightfield"});
+    config_.Fields(f);
+    f.Section("calibration", calibration_);
+  }
 
   int Run() override {
-    if (!out_.ends_with(".safetensors"))
-      throw Error("--out " + out_ + ": the name must end in .safetensors");
-    { const AtomicFile probe(out_); }  // says so before the training where it cannot be written
+    const std::string ending = model_ == "surrogate" ? ".safetensors" : ".yaml";
+    if (!out_.ends_with(ending))
+      throw Error("--out " + out_ + ": the name of a " + model_ + " must end in " + ending);
+    if (model_ == "heightfield" && !init_.empty())
+      throw Error("--init " + init_ + ": a heightfield starts from the keys calibration.heightfield");
+    { const AtomicFile probe(out_); }  // says so before the work where it cannot be written
+    return model_ == "surrogate" ? Train() : Calibrate();
+  }
+
+ private:
+  int Train() {
     FitRequest request;
     request.data = FindStrokeFiles(data_);
     if (!validation_.empty()) request.validation = FindStrokeFiles(validation_);
@@ -44,10 +59,31 @@ class FitCommand final : public Command {
     return report.stopped ? 130 : 0;
   }
 
- private:
+  int Calibrate() {
+    const auto held_out = validation_.empty() ? std::vector<std::filesystem::path>{} : FindStrokeFiles(validation_);
+    Progress progress("fit", 0, "evaluations");
+    Calibration found = CalibrateHeightfield(calibration_, FindStrokeFiles(data_), held_out, threads(),
+                                             [&](int done, double r2_change) {
+                                               progress.Update(done, "r2_change " + std::to_string(r2_change));
+                                             });
+    FieldList fields;
+    fields.Section("heightfield", found.heightfield);
+    WriteFileAtomically(out_, ToYaml(fields));
+    std::printf("%s: r2_change %.4f -> %.4f in %d evaluations", out_.c_str(), found.start.r2_change,
+                found.fitted.r2_change, found.evaluations);
+    if (found.validation)
+      std::printf(", on other beds %.4f (RMSE %.2f mm)", found.validation->r2_change, found.validation->rmse_mm);
+    std::printf("\n");
+    nlohmann::json json = found.ToJson();
+    json["out"] = out_;
+    WriteResult(json);
+    return 0;
+  }
+
   std::vector<std::string> data_, validation_;
-  std::string init_, out_;
+  std::string init_, out_, model_ = "surrogate";
   FitConfig config_;
+  CalibrationConfig calibration_;
 };
 
 }  // namespace
