@@ -106,7 +106,9 @@ struct Inside {
 
 Inside ReadingsInside(const DepthFrame& frame, const DepthFrame& median, const CameraModel& camera,
                       const Place& place, double pixel_m, double corner_margin_m) {
-  const auto& [X_BC, X_VC, size_m, sand_V] = place;
+  const auto &X_BC = place.X_BC, &X_VC = place.X_VC;
+  const Eigen::Vector2d& size_m = place.size_m;
+  const double sand_V = place.sand_V;
   const PointCloud cloud = ToPoints(WithoutFlyingPixels(frame, median, 0.03), camera);
   const std::vector<PixelRay> rays = PixelRays(camera);
   const Vector3d eye = X_VC.translation();
