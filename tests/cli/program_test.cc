@@ -109,6 +109,26 @@ TEST_F(ProgramTest, ResultsCarryConfigSeedAndMachine) {
   EXPECT_EQ(ReadFile(Path("t.h5")), first);
 }
 
+TEST_F(ProgramTest, BenchPutsSpeedBesideError) {
+  const Finished bench =
+      Invoke("bench --suite sand --threads 1 --data " SANDWRIGHT_ROOT
+             "/data/strokes/dem/bed_504.h5 --json " + Path("bench.json"));
+  ASSERT_EQ(bench.exit_code, 0) << bench.output;
+  const auto json = nlohmann::json::parse(ReadFile(Path("bench.json")));
+  EXPECT_TRUE(json["machine"].contains("isa"));
+  int exact = 0, strokes = 0;
+  for (const auto& row : json["rows"]) {
+    EXPECT_EQ(row["suite"], "sand");
+    EXPECT_GT(row["ms_per_stroke"], 0.0) << row;
+    const std::string name = row["name"];
+    exact += name.starts_with("exact: ") && row.contains("rmse_mm");
+    strokes += name.starts_with("strokes: ") && row.contains("r2_change") && row.contains("mae_mm");
+  }
+  EXPECT_EQ(exact, 26);
+  EXPECT_EQ(strokes, 6);  // none, heightfield on four grids, the shipped surrogate
+  EXPECT_EQ(Invoke("bench --suite agents").exit_code, 2);  // not measured yet, so not offered
+}
+
 TEST_F(ProgramTest, AFailedRunReplacesNothing) {
   WriteFileAtomically(Path("terrain.h5"), "not a height map");
   WriteFileAtomically(Path("t.h5"), "precious");

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "data/base/atomic_file.h"
+#include "data/base/process.h"
 #include "data/stroke_dataset.h"
 
 namespace sandwright {
@@ -100,6 +101,49 @@ TEST_F(CollectTest, RefusesWhatItCannotContinue) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new.h5"));
   config_.width_m = 0.25;
   EXPECT_NE(ErrorOf({"/no/such/folder/new.h5", 1, 1, 42, 1}), "");
+}
+
+// A bed of grains goes on from the grains that it keeps beside it while it is not finished.
+TEST_F(CollectTest, GrainsContinueToTheSameBytes) {
+  if (!FindProgram("lmp")) GTEST_SKIP() << "LAMMPS is not installed";
+  config_.width_m = 0.12;
+  config_.depth_m = 0.1;
+  config_.cell_size_m = 0.004;
+  config_.terrain.mean_depth_m = 0.04;
+  config_.terrain.amplitude_m = 0.001;
+  config_.excavation = {.wall_margin_m = 0.03, .floor_margin_m = 0.025, .deepest_m = 0.012, .shortest_m = 0.02};
+  config_.dem.reach_m = 0.04;
+  config_.dem.cache = folder_ / "cache";
+  CollectRequest request = Request("whole.h5", 2, 2);
+  request.source = "dem";
+  Collect(config_, request);
+  const auto hidden = [&] {
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+      count += entry.path().filename().string().starts_with(".");
+    return count;
+  };
+  EXPECT_EQ(hidden(), 0) << "a finished bed keeps no grains";
+
+  request.out = folder_ / "parts.h5";
+  int asked = 0;
+  Collect(config_, request, [&] { return ++asked > 1; });  // stopped after one stroke
+  EXPECT_EQ(ReadStrokeFile(request.out).strokes.size(), 1u);
+  EXPECT_EQ(hidden(), 1);
+  Collect(config_, request);
+  EXPECT_EQ(hidden(), 0);
+  EXPECT_EQ(ReadFile(folder_ / "parts.h5"), ReadFile(folder_ / "whole.h5"));
+
+  const StrokeFile content = ReadStrokeFile(request.out);
+  EXPECT_EQ(content.source, "dem");
+  EXPECT_EQ(content.strokes[1].before.height_m, content.strokes[0].after.height_m);
+  request.strokes = request.sequence = 3;
+  EXPECT_NE(ErrorOf(request).find("choose another --out"), std::string::npos);
+}
+
+TEST_F(CollectTest, PackingsAreForGrains) {
+  config_.packings = 3;
+  EXPECT_NE(ErrorOf(Request("beds", 3, 3)).find("packings = 3; only grains"), std::string::npos);
 }
 
 }  // namespace
