@@ -26,8 +26,9 @@ class BenchCommand final : public Command {
   int Run() override {
     bench_.threads = threads();
     if (!data_.empty()) bench_.data = FindStrokeFiles(data_);
-    fmt::print("{:38} {:>7} {:>8} {:>5} {:>10} {:>8} {:>8} {:>10} {:>9} {:>6}\n", "sand", "cell mm", "threads", "batch",
-               "ms/stroke", "RMSE mm", "MAE mm", "RMSE cells", "max cells", "r2");
+    fmt::print("{:38} {:>7} {:>8} {:>5} {:>10} {:>8} {:>8} {:>10} {:>9} {:>6}\n", "sand", "cell mm",
+               "threads", "batch", "ms/stroke", "RMSE mm", "MAE mm", "RMSE cells", "max cells",
+               "r2");
     nlohmann::json rows = nlohmann::json::array();
     RunSandBench(bench_, [&](const SandBenchRow& row) {
       Print(row);
@@ -39,15 +40,20 @@ class BenchCommand final : public Command {
 
  private:
   static void Print(const SandBenchRow& row) {
-    fmt::print("{:38} {:7g} {:8} {:5} {:10.3f} {:>8} {:>8} {:>10} {:>9} {:>6}\n", row.name, 1e3 * row.cell_size_m,
-               row.threads, row.batch, row.ms_per_stroke, Cell(row.rmse_mm, 3), Cell(row.mae_mm, 3),
-               Cell(row.rmse_cells, 4), Cell(row.max_cells, 3), Cell(row.r2_change, 3));
+    fmt::print("{:38} {:7g} {:8} {:5} {:10.3f} {:>8} {:>8} {:>10} {:>9} {:>6}\n", row.name,
+               1e3 * row.cell_size_m, row.threads, row.batch, row.ms_per_stroke,
+               Cell(row.rmse_mm, 3), Cell(row.mae_mm, 3), Cell(row.rmse_cells, 4),
+               Cell(row.max_cells, 3), Cell(row.r2_change, 3));
     std::fflush(stdout);
   }
 
   static nlohmann::json ToJson(const SandBenchRow& row) {
-    nlohmann::json json = {{"suite", "sand"}, {"name", row.name}, {"threads", row.threads}, {"batch", row.batch},
-                           {"cell_size_m", row.cell_size_m}, {"ms_per_stroke", row.ms_per_stroke}};
+    nlohmann::json json = {{"suite", "sand"},
+                           {"name", row.name},
+                           {"threads", row.threads},
+                           {"batch", row.batch},
+                           {"cell_size_m", row.cell_size_m},
+                           {"ms_per_stroke", row.ms_per_stroke}};
     const auto add = [&](const char* key, const std::optional<double>& value) {
       if (value) json[key] = *value;
     };

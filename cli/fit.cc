@@ -32,7 +32,8 @@ class FitCommand final : public Command {
     if (!out_.ends_with(ending))
       throw Error("--out " + out_ + ": the name of a " + model_ + " must end in " + ending);
     if (model_ == "heightfield" && !init_.empty())
-      throw Error("--init " + init_ + ": a heightfield starts from the keys calibration.heightfield");
+      throw Error("--init " + init_ +
+                  ": a heightfield starts from the keys calibration.heightfield");
     { const AtomicFile probe(out_); }  // says so before the work where it cannot be written
     return model_ == "surrogate" ? Train() : Calibrate();
   }
@@ -60,19 +61,21 @@ class FitCommand final : public Command {
   }
 
   int Calibrate() {
-    const auto held_out = validation_.empty() ? std::vector<std::filesystem::path>{} : FindStrokeFiles(validation_);
+    const auto held_out =
+        validation_.empty() ? std::vector<std::filesystem::path>{} : FindStrokeFiles(validation_);
     Progress progress("fit", 0, "evaluations");
-    Calibration found = CalibrateHeightfield(calibration_, FindStrokeFiles(data_), held_out, threads(),
-                                             [&](int done, double r2_change) {
-                                               progress.Update(done, "r2_change " + std::to_string(r2_change));
-                                             });
+    Calibration found = CalibrateHeightfield(
+        calibration_, FindStrokeFiles(data_), held_out, threads(), [&](int done, double r2_change) {
+          progress.Update(done, "r2_change " + std::to_string(r2_change));
+        });
     FieldList fields;
     fields.Section("heightfield", found.heightfield);
     WriteFileAtomically(out_, ToYaml(fields));
     std::printf("%s: r2_change %.4f -> %.4f in %d evaluations", out_.c_str(), found.start.r2_change,
                 found.fitted.r2_change, found.evaluations);
     if (found.validation)
-      std::printf(", on other beds %.4f (RMSE %.2f mm)", found.validation->r2_change, found.validation->rmse_mm);
+      std::printf(", on other beds %.4f (RMSE %.2f mm)", found.validation->r2_change,
+                  found.validation->rmse_mm);
     std::printf("\n");
     nlohmann::json json = found.ToJson();
     json["out"] = out_;

@@ -69,8 +69,8 @@ void Avalanche::Load(const CellRect& active, std::span<const CellFace> closed, d
     copy_row(loose_, window_loose_);
   }
   out_ = y1_ = y2_ = start_;  // the ring outside the window stays as it is
-  FaceResistance(window_firm_.data(), window_loose_.data(), window_.rows(), window_.columns(), stride_,
-                 static_cast<float>(rise_m), resist_x_.data(), resist_y_.data());
+  FaceResistance(window_firm_.data(), window_loose_.data(), window_.rows(), window_.columns(),
+                 stride_, static_cast<float>(rise_m), resist_x_.data(), resist_y_.data());
 
   mask_row0_ = window_.rows();
   mask_row1_ = 0;
@@ -119,9 +119,9 @@ void Avalanche::MirrorWalls(std::vector<float>& y) const {
 void Avalanche::Stage(const std::vector<float>& y1, const std::vector<float>& y2, float momentum,
                       float step, double rise_m, std::vector<float>& out) {
   flux_.resize(3 * static_cast<size_t>(stride_));
-  AdvanceWindow({y1.data(), y2.data(), out.data(), open_x_.data(), open_y_.data(),
-                 resist_x_.data(), resist_y_.data(), flux_.data(), window_.rows(), window_.columns(), stride_, mask_row0_, mask_row1_, momentum, step,
-                 static_cast<float>(rise_m)});
+  AdvanceWindow({y1.data(), y2.data(), out.data(), open_x_.data(), open_y_.data(), resist_x_.data(),
+                 resist_y_.data(), flux_.data(), window_.rows(), window_.columns(), stride_,
+                 mask_row0_, mask_row1_, momentum, step, static_cast<float>(rise_m)});
   MirrorWalls(out);
 }
 
@@ -129,8 +129,9 @@ Avalanche::Steepness Avalanche::FindSteep(double rise_m) {
   const int rows = window_.rows(), columns = window_.columns();
   std::vector<float> of_row(static_cast<size_t>(rows)), of_column(static_cast<size_t>(columns));
   flux_.resize(3 * static_cast<size_t>(stride_));
-  SteepestFaces({start_.data(), nullptr, nullptr, open_x_.data(), open_y_.data(), resist_x_.data(), resist_y_.data(),
-                 flux_.data(), rows, columns, stride_, mask_row0_, mask_row1_, 0, 0, static_cast<float>(rise_m)},
+  SteepestFaces({start_.data(), nullptr, nullptr, open_x_.data(), open_y_.data(), resist_x_.data(),
+                 resist_y_.data(), flux_.data(), rows, columns, stride_, mask_row0_, mask_row1_, 0,
+                 0, static_cast<float>(rise_m)},
                 of_row.data(), of_column.data());
   const auto limit = static_cast<float>(rise_m * rise_m);
   const auto is_steep = [limit](float g2) { return g2 > limit; };
@@ -168,7 +169,8 @@ void Avalanche::SuperStep(double rise_m, double amount) {
   std::vector<float>*before = &start_, *last = &y1_, *next = &y2_;
   for (int j = 2; j <= stages; ++j) {
     const double mu = (2.0 * j - 1) / j;
-    Stage(*last, *before, static_cast<float>(1 - 1.0 / j), static_cast<float>(mu * w_tau), rise_m, *next);
+    Stage(*last, *before, static_cast<float>(1 - 1.0 / j), static_cast<float>(mu * w_tau), rise_m,
+          *next);
     std::vector<float>* unused = before == &start_ ? &out_ : before;
     before = last;
     last = next;

@@ -23,11 +23,13 @@ struct Rise {
 };
 
 SAND_INLINE Rise RiseX(const float* h, int stride, int i) {
-  return {h[i + 1] - h[i], 0.25f * ((h[i + stride] - h[i - stride]) + (h[i + stride + 1] - h[i - stride + 1]))};
+  return {h[i + 1] - h[i],
+          0.25f * ((h[i + stride] - h[i - stride]) + (h[i + stride + 1] - h[i - stride + 1]))};
 }
 
 SAND_INLINE Rise RiseY(const float* h, int stride, int i) {
-  return {h[i + stride] - h[i], 0.25f * ((h[i + 1] - h[i - 1]) + (h[i + stride + 1] - h[i + stride - 1]))};
+  return {h[i + stride] - h[i],
+          0.25f * ((h[i + 1] - h[i - 1]) + (h[i + stride + 1] - h[i + stride - 1]))};
 }
 
 SAND_INLINE Rise MaskedRiseX(const float* h, const float* ox, const float* oy, int stride, int i) {
@@ -67,8 +69,8 @@ constexpr float kFirmer = 1.005f;
 SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
   const int stride = w.stride, columns = w.columns, faces = WholeLanes(columns);
   const float rise_m = w.rise_m, momentum = w.momentum, step = w.step;
-  float* __restrict flux_x = w.flux;                // flux_x[i]: between columns i - 1 and i
-  float* __restrict flux_low = w.flux + stride;     // between the row before and this one
+  float* __restrict flux_x = w.flux;             // flux_x[i]: between columns i - 1 and i
+  float* __restrict flux_low = w.flux + stride;  // between the row before and this one
   float* __restrict flux_high = w.flux + 2 * stride;
   std::fill(flux_low, flux_low + columns, 0.0f);
   flux_x[0] = 0;
@@ -81,7 +83,8 @@ SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
     float* __restrict out = w.out + first;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
     if (masked) {
-      for (int i = 0; i < faces; ++i) flux_x[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m * rx[i]);
+      for (int i = 0; i < faces; ++i)
+        flux_x[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m * rx[i]);
     } else {
       for (int i = 0; i < faces; ++i) flux_x[i + 1] = Flux(RiseX(h, stride, i), rise_m * rx[i]);
     }
@@ -89,7 +92,8 @@ SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
     if (row + 1 == w.rows) {
       std::fill(flux_high, flux_high + columns, 0.0f);
     } else if (masked) {
-      for (int i = 0; i < faces; ++i) flux_high[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m * ry[i]);
+      for (int i = 0; i < faces; ++i)
+        flux_high[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m * ry[i]);
     } else {
       for (int i = 0; i < faces; ++i) flux_high[i] = Flux(RiseY(h, stride, i), rise_m * ry[i]);
     }
@@ -116,7 +120,8 @@ SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_
     const float *rx = w.resist_x + first, *ry = w.resist_y + first;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
     if (masked) {
-      for (int i = 0; i < faces; ++i) square_x[i + 1] = Felt(MaskedRiseX(h, ox, oy, stride, i), rx[i], rise_m);
+      for (int i = 0; i < faces; ++i)
+        square_x[i + 1] = Felt(MaskedRiseX(h, ox, oy, stride, i), rx[i], rise_m);
     } else {
       for (int i = 0; i < faces; ++i) square_x[i + 1] = Felt(RiseX(h, stride, i), rx[i], rise_m);
     }
@@ -124,7 +129,8 @@ SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_
     if (row + 1 == w.rows) {
       std::fill(square_y, square_y + columns, 0.0f);
     } else if (masked) {
-      for (int i = 0; i < faces; ++i) square_y[i] = Felt(MaskedRiseY(h, ox, oy, stride, i), ry[i], rise_m);
+      for (int i = 0; i < faces; ++i)
+        square_y[i] = Felt(MaskedRiseY(h, ox, oy, stride, i), ry[i], rise_m);
     } else {
       for (int i = 0; i < faces; ++i) square_y[i] = Felt(RiseY(h, stride, i), ry[i], rise_m);
     }
@@ -140,8 +146,8 @@ SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_
   }
 }
 
-SAND_WIDE void FaceResistance(const float* firm, const float* loose, int rows, int columns, int stride,
-                              float rise_m, float* resist_x, float* resist_y) {
+SAND_WIDE void FaceResistance(const float* firm, const float* loose, int rows, int columns,
+                              int stride, float rise_m, float* resist_x, float* resist_y) {
   const int faces = WholeLanes(columns);
   const auto resist = [rise_m](Rise r, float either_loose) {
     const float firm_share = std::max(kFirmer, std::sqrt(r.squared()) / rise_m);
@@ -150,9 +156,10 @@ SAND_WIDE void FaceResistance(const float* firm, const float* loose, int rows, i
   for (int row = 0; row < rows; ++row) {
     const int first = (row + 1) * stride + 1;
     const float *h = firm + first, *l = loose + first;
-    float *__restrict rx = resist_x + first, *__restrict ry = resist_y + first;
+    float* __restrict rx = resist_x + first, * __restrict ry = resist_y + first;
     for (int i = 0; i < faces; ++i) rx[i] = resist(RiseX(h, stride, i), std::max(l[i], l[i + 1]));
-    for (int i = 0; i < faces; ++i) ry[i] = resist(RiseY(h, stride, i), std::max(l[i], l[i + stride]));
+    for (int i = 0; i < faces; ++i)
+      ry[i] = resist(RiseY(h, stride, i), std::max(l[i], l[i + stride]));
   }
 }
 

@@ -21,7 +21,7 @@ struct AvalancheWindow {
   // and the next row, read as open_x and open_y are.
   const float* resist_x;
   const float* resist_y;
-  float* flux;          // scratch, 3 * stride
+  float* flux;  // scratch, 3 * stride
   int rows, columns, stride;
   int mask_row0, mask_row1;  // rows of the window where faces may be closed
   float momentum, step;
@@ -37,8 +37,8 @@ void SteepestFaces(const AvalancheWindow& window, float* of_row, float* of_colum
 
 // What the faces of a window resist: 1 where a cell beside is loose (`loose` 1), else the slope at which
 // they lay in `firm`, heights before anything moved, and at least a little more than 1. Buffers as above.
-void FaceResistance(const float* firm, const float* loose, int rows, int columns, int stride, float rise_m,
-                    float* resist_x, float* resist_y);
+void FaceResistance(const float* firm, const float* loose, int rows, int columns, int stride,
+                    float rise_m, float* resist_x, float* resist_y);
 
 // Smallest of `count` > 0 heights.
 float LowestHeight(const float* heights, int count);

@@ -41,7 +41,8 @@ template <class Visit>
 void BladeCut::ForEachCell(const Placed& at, double u_low, double u_high, double s_half,
                            Visit visit) const {
   const auto [low_y, high_y] = [&] {
-    const double a = std::min(u_low * at.s, u_high * at.s), b = std::max(u_low * at.s, u_high * at.s);
+    const double a = std::min(u_low * at.s, u_high * at.s),
+                 b = std::max(u_low * at.s, u_high * at.s);
     const double half = s_half * std::abs(at.c);
     return std::pair(at.pose.y_m + a - half, at.pose.y_m + b + half);
   }();
@@ -63,9 +64,10 @@ void BladeCut::ForEachCell(const Placed& at, double u_low, double u_high, double
     clip(at.c, y * at.s, u_low, u_high);
     clip(-at.s, y * at.c, -s_half, s_half);
     if (x_high < x_low) continue;
-    const int column0 = std::max(0, static_cast<int>(std::ceil((x_low + at.pose.x_m) / cell_ - 0.5)));
-    const int column1 = std::min(map_.columns - 1,
-                                 static_cast<int>(std::floor((x_high + at.pose.x_m) / cell_ - 0.5)));
+    const int column0 =
+        std::max(0, static_cast<int>(std::ceil((x_low + at.pose.x_m) / cell_ - 0.5)));
+    const int column1 = std::min(
+        map_.columns - 1, static_cast<int>(std::floor((x_high + at.pose.x_m) / cell_ - 0.5)));
     for (int column = column0; column <= column1; ++column) {
       const double x = (column + 0.5) * cell_ - at.pose.x_m;
       visit(row, column, map_.Index(row, column), x * at.c + y * at.s, y * at.c - x * at.s);
@@ -78,7 +80,8 @@ double BladeCut::Across(double s) const { return Overlap(s, -half_width_, half_w
 BladeCut::Between BladeCut::Find(double s) const {
   const double at = std::clamp((s + half_width_) / strip_width_ - 0.5, 0.0, strip_count_ - 1.0);
   const int strip = std::min(static_cast<int>(at), std::max(strip_count_ - 2, 0));
-  return {static_cast<size_t>(strip), static_cast<size_t>(std::min(strip + 1, strip_count_ - 1)), at - strip};
+  return {static_cast<size_t>(strip), static_cast<size_t>(std::min(strip + 1, strip_count_ - 1)),
+          at - strip};
 }
 
 // Reads the sand just off the blade on one side (+1 ahead, -1 behind), strip by strip.
@@ -87,10 +90,12 @@ void BladeCut::Probe(const Placed& at, double side, Strips& strips) const {
   const double u = side * (half_thickness_ + cell_);
   for (int k = 0; k < strip_count_; ++k) {
     const double s = (k + 0.5) * strip_width_ - half_width_;
-    const double height = HeightAt(map_, at.pose.x_m + u * at.c - s * at.s, at.pose.y_m + u * at.s + s * at.c);
+    const double height =
+        HeightAt(map_, at.pose.x_m + u * at.c - s * at.s, at.pose.y_m + u * at.s + s * at.c);
     const double depth = std::max(0.0, height - at.pose.z_m);
     strips.length[static_cast<size_t>(k)] = std::max(cell_, law_.rupture_ratio * depth);
-    strips.bottom[static_cast<size_t>(k)] = std::max(floor_m_, at.pose.z_m - std::min(law_.bite_m, depth));
+    strips.bottom[static_cast<size_t>(k)] =
+        std::max(floor_m_, at.pose.z_m - std::min(law_.bite_m, depth));
   }
 }
 
@@ -104,14 +109,15 @@ void BladeCut::FindRoom(const Placed& at, double side, Strips& strips,
   ForEachCell(at, side > 0 ? near : -far, side > 0 ? far : -near,
               half_width_ + law_.spread * longest + cell_ / 2,
               [&](int, int, size_t cell, double u, double widened_s) {
-    if (side * u <= near + kTie * cell_) return;
-    const double s = widened_s / (1 + law_.spread * (side * u - near) / half_width_);
-    const Between place = Find(s);
-    const double weight = Across(s) * Overlap(side * u, near, near + place.Mix(strips.length), cell_);
-    if (weight <= 0) return;
-    place.Add(weight, strips.room);
-    receivers.push_back({cell, place, weight});
-  });
+                if (side * u <= near + kTie * cell_) return;
+                const double s = widened_s / (1 + law_.spread * (side * u - near) / half_width_);
+                const Between place = Find(s);
+                const double weight =
+                    Across(s) * Overlap(side * u, near, near + place.Mix(strips.length), cell_);
+                if (weight <= 0) return;
+                place.Add(weight, strips.room);
+                receivers.push_back({cell, place, weight});
+              });
 }
 
 void BladeCut::Lay(const std::vector<Receiver>& receivers, Strips& strips) {
@@ -146,7 +152,8 @@ void BladeCut::Cut(const Placed& from, const Placed& to) {
   const double sunk = from.pose.z_m - to.pose.z_m, h = half_thickness_;
   FindRoom(to, 1, ahead_, receivers_ahead_);
   receivers_behind_.clear();
-  if (sunk > 0 || from.pose.yaw_rad != to.pose.yaw_rad) FindRoom(to, -1, behind_, receivers_behind_);
+  if (sunk > 0 || from.pose.yaw_rad != to.pose.yaw_rad)
+    FindRoom(to, -1, behind_, receivers_behind_);
   const auto take = [&](size_t cell, double amount, const Between& place, Strips& strips) {
     const float before = map_.height_m[cell];
     map_.height_m[cell] = static_cast<float>(std::max(before - amount, floor_m_));
@@ -154,34 +161,38 @@ void BladeCut::Cut(const Placed& from, const Placed& to) {
     place.Add(taken, strips.volume);
   };
   const bool room_ahead = !receivers_ahead_.empty(), room_behind = !receivers_behind_.empty();
-  ForEachCell(to, -h - cell_, h + cell_, half_width_ + cell_ / 2,
-              [&](int row, int column, size_t cell, double u, double s) {
-    const double across = Across(s);
-    const Between place = Find(s);
-    const double excess = map_.height_m[cell] - place.Mix(ahead_.bottom);
-    if (excess <= kTie * cell_ || across <= 0) return;
-    const double x = (column + 0.5) * cell_ - from.pose.x_m, y = (row + 0.5) * cell_ - from.pose.y_m;
-    const double u_from = x * from.c + y * from.s;
-    // Shares of the cell behind the front and before the back, then and now. What a side newly
-    // sweeps is the excess of the part it had not yet swept.
-    const auto swept = [&](double past, double now) {
-      const double left = 1 - across * past;
-      return now > past && left > kTie ? across * (now - past) / left : 0.0;
-    };
-    const auto front = [&](double at) { return std::clamp((h - at) / cell_ + 0.5, 0.0, 1.0); };
-    const auto back = [&](double at) { return std::clamp((h + at) / cell_ + 0.5, 0.0, 1.0); };
-    const double by_front = room_ahead ? excess * swept(front(u_from), front(u)) : 0;
-    const double by_back = room_behind ? excess * swept(back(u_from), back(u)) : 0;
-    // A blade that goes down also presses out what stands below it.
-    const double pressed = sunk > 0 ? across * Overlap(u, -h, h, cell_) * std::min(sunk, excess) : 0;
-    const double halves = pressed / std::max(1, room_ahead + room_behind);
-    double ahead = by_front + (room_ahead ? halves : 0), behind = by_back + (room_behind ? halves : 0);
-    if (ahead + behind <= 0) return;
-    const double scale = std::min(1.0, excess / (ahead + behind));
-    if (ahead > 0) take(cell, scale * ahead, place, ahead_);
-    if (behind > 0) take(cell, scale * behind, place, behind_);
-    changed_.push_back(cell);
-  });
+  ForEachCell(
+      to, -h - cell_, h + cell_, half_width_ + cell_ / 2,
+      [&](int row, int column, size_t cell, double u, double s) {
+        const double across = Across(s);
+        const Between place = Find(s);
+        const double excess = map_.height_m[cell] - place.Mix(ahead_.bottom);
+        if (excess <= kTie * cell_ || across <= 0) return;
+        const double x = (column + 0.5) * cell_ - from.pose.x_m,
+                     y = (row + 0.5) * cell_ - from.pose.y_m;
+        const double u_from = x * from.c + y * from.s;
+        // Shares of the cell behind the front and before the back, then and now. What a side newly
+        // sweeps is the excess of the part it had not yet swept.
+        const auto swept = [&](double past, double now) {
+          const double left = 1 - across * past;
+          return now > past && left > kTie ? across * (now - past) / left : 0.0;
+        };
+        const auto front = [&](double at) { return std::clamp((h - at) / cell_ + 0.5, 0.0, 1.0); };
+        const auto back = [&](double at) { return std::clamp((h + at) / cell_ + 0.5, 0.0, 1.0); };
+        const double by_front = room_ahead ? excess * swept(front(u_from), front(u)) : 0;
+        const double by_back = room_behind ? excess * swept(back(u_from), back(u)) : 0;
+        // A blade that goes down also presses out what stands below it.
+        const double pressed =
+            sunk > 0 ? across * Overlap(u, -h, h, cell_) * std::min(sunk, excess) : 0;
+        const double halves = pressed / std::max(1, room_ahead + room_behind);
+        double ahead = by_front + (room_ahead ? halves : 0),
+               behind = by_back + (room_behind ? halves : 0);
+        if (ahead + behind <= 0) return;
+        const double scale = std::min(1.0, excess / (ahead + behind));
+        if (ahead > 0) take(cell, scale * ahead, place, ahead_);
+        if (behind > 0) take(cell, scale * behind, place, behind_);
+        changed_.push_back(cell);
+      });
   if (changed_.empty()) return;
   Lay(receivers_ahead_, ahead_);
   Lay(receivers_behind_, behind_);
@@ -209,22 +220,23 @@ std::vector<CellFace> BladeCut::ClosedFaces(const BladePose& pose) const {
   std::vector<CellFace> closed;
   ForEachCell(at, passed - 1.5 * cell_, front + 1.5 * cell_, half_width_ + 1.5 * cell_,
               [&](int row, int column, size_t cell, double u, double s) {
-    const auto test = [&](bool along_x) {
-      const int next_row = row + !along_x, next_column = column + along_x;
-      if (next_row >= map_.rows || next_column >= map_.columns) return;
-      const double next_u = u + (along_x ? at.c : at.s) * cell_;
-      const double next_s = s + (along_x ? -at.s : at.c) * cell_;
-      const auto parts = [&](double line) { return (u > line) != (next_u > line); };
-      if (!parts(front) && !parts(passed)) return;
-      const double line = parts(front) ? front : passed;
-      const double crossing = s + (next_s - s) * (line - u) / (next_u - u);
-      if (std::abs(crossing) > reach) return;
-      if (std::max(map_.height_m[cell], map_.At(next_row, next_column)) <= at.pose.z_m) return;
-      closed.push_back({row, column, along_x});
-    };
-    test(true);
-    test(false);
-  });
+                const auto test = [&](bool along_x) {
+                  const int next_row = row + !along_x, next_column = column + along_x;
+                  if (next_row >= map_.rows || next_column >= map_.columns) return;
+                  const double next_u = u + (along_x ? at.c : at.s) * cell_;
+                  const double next_s = s + (along_x ? -at.s : at.c) * cell_;
+                  const auto parts = [&](double line) { return (u > line) != (next_u > line); };
+                  if (!parts(front) && !parts(passed)) return;
+                  const double line = parts(front) ? front : passed;
+                  const double crossing = s + (next_s - s) * (line - u) / (next_u - u);
+                  if (std::abs(crossing) > reach) return;
+                  if (std::max(map_.height_m[cell], map_.At(next_row, next_column)) <= at.pose.z_m)
+                    return;
+                  closed.push_back({row, column, along_x});
+                };
+                test(true);
+                test(false);
+              });
   return closed;
 }
 

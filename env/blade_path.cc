@@ -17,7 +17,8 @@ bool LeavesBox(const BladePose& pose, const Blade& blade, const HeightMap& map) 
 }  // namespace
 
 double Travel(const BladePose& a, const BladePose& b, const Blade& blade) {
-  return std::hypot(b.x_m - a.x_m, b.y_m - a.y_m) + std::abs(b.yaw_rad - a.yaw_rad) * blade.width_m / 2;
+  return std::hypot(b.x_m - a.x_m, b.y_m - a.y_m) +
+         std::abs(b.yaw_rad - a.yaw_rad) * blade.width_m / 2;
 }
 
 ToolPath EqualSteps(const ToolPath& path, double step_m, const Blade& blade) {
@@ -33,7 +34,8 @@ ToolPath EqualSteps(const ToolPath& path, double step_m, const Blade& blade) {
     const double share = (at - travelled[i - 1]) / (travelled[i] - travelled[i - 1]);
     const auto mix = [share](double a, double b) { return a + share * (b - a); };
     const BladePose &a = path[i - 1], &b = path[i];
-    out.push_back({mix(a.x_m, b.x_m), mix(a.y_m, b.y_m), mix(a.z_m, b.z_m), mix(a.yaw_rad, b.yaw_rad)});
+    out.push_back(
+        {mix(a.x_m, b.x_m), mix(a.y_m, b.y_m), mix(a.z_m, b.z_m), mix(a.yaw_rad, b.yaw_rad)});
   }
   if (path.size() > 1) out.push_back(path.back());
   return out;

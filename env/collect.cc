@@ -22,8 +22,8 @@ constexpr int kDraws = 10;  // of a stroke, where grains get lost
 int WholeCells(double extent_m, double cell_size_m, const char* key) {
   const double cells = extent_m / cell_size_m;
   if (std::abs(cells - std::round(cells)) > 1e-6)
-    throw Error(fmt::format("{} = {} m; must be a whole number of cells of cell_size_m = {} m", key, extent_m,
-                            cell_size_m));
+    throw Error(fmt::format("{} = {} m; must be a whole number of cells of cell_size_m = {} m", key,
+                            extent_m, cell_size_m));
   return static_cast<int>(std::round(cells));
 }
 
@@ -53,7 +53,8 @@ struct Bed {
 
 class Collector {
  public:
-  Collector(const CollectConfig& config, const CollectRequest& request, const std::function<bool()>& stop)
+  Collector(const CollectConfig& config, const CollectRequest& request,
+            const std::function<bool()>& stop)
       : config_(config),
         request_(request),
         stop_(stop),
@@ -71,7 +72,8 @@ class Collector {
 
  private:
   std::filesystem::path FileOf(int64_t bed) const {
-    return request_.out.extension() == ".h5" ? request_.out : request_.out / fmt::format("bed_{:05}.h5", bed);
+    return request_.out.extension() == ".h5" ? request_.out
+                                             : request_.out / fmt::format("bed_{:05}.h5", bed);
   }
   std::filesystem::path GrainFileOf(int64_t bed, size_t strokes) const {
     const std::filesystem::path file = FileOf(bed);
@@ -87,11 +89,13 @@ class Collector {
       return {index, {request_.source, name, seed, material_, {}}, std::nullopt};
     }
     Bed bed{index, ReadStrokeFile(file), std::nullopt};
-    if (bed.content.source != request_.source || bed.content.seed != seed || bed.content.material != material_)
-      throw Error(fmt::format("{}: source {}, seed {}; it holds strokes of other settings than asked for "
-                              "({}, seed {}): choose another --out, or the settings in its attribute "
-                              "material", file.string(), bed.content.source, bed.content.seed, request_.source,
-                              request_.seed));
+    if (bed.content.source != request_.source || bed.content.seed != seed ||
+        bed.content.material != material_)
+      throw Error(fmt::format(
+          "{}: source {}, seed {}; it holds strokes of other settings than asked for "
+          "({}, seed {}): choose another --out, or the settings in its attribute "
+          "material",
+          file.string(), bed.content.source, bed.content.seed, request_.source, request_.seed));
     return bed;
   }
 
@@ -112,12 +116,14 @@ class Collector {
     if (!OfGrains(request_)) return SandState(map);
     const std::filesystem::path file = GrainFileOf(bed.index, bed.content.strokes.size());
     if (!std::filesystem::exists(file))
-      throw Error(fmt::format("{}: the bed is finished, or its grains ({}) are gone, so no stroke can follow: "
-                              "choose another --out", FileOf(bed.index).string(), file.filename().string()));
+      throw Error(fmt::format(
+          "{}: the bed is finished, or its grains ({}) are gone, so no stroke can follow: "
+          "choose another --out",
+          FileOf(bed.index).string(), file.filename().string()));
     const std::lock_guard lock(files_);
     const H5::H5File h5 = OpenHdf5(file);
-    return SandState(map, std::make_shared<const GrainBed>(
-                              GrainBed{config_.width_m, config_.depth_m, ReadGrains(h5, file.string())}));
+    return SandState(map, std::make_shared<const GrainBed>(GrainBed{
+                              config_.width_m, config_.depth_m, ReadGrains(h5, file.string())}));
   }
 
   // Terrain, packing and names of the next stroke; bed.state is where it starts.
@@ -134,7 +140,8 @@ class Collector {
       if (packing > 0) record.replicate_of = fmt::format("{:05}", base * config_.packings);
       bed.state = model_->Start(Terrain(place), PackingSeed(packing));
     } else if (!bed.state) {
-      bed.state = done == 0 ? model_->Start(Terrain(bed.index), PackingSeed(bed.index)) : Continue(bed);
+      bed.state =
+          done == 0 ? model_->Start(Terrain(bed.index), PackingSeed(bed.index)) : Continue(bed);
     }
     return record;
   }
@@ -158,7 +165,8 @@ class Collector {
                                           : DrawStroke(config_.excavation, record.before, stream);
       record.path = SamplePath(record.stroke, config_.cell_size_m / 2);
       try {
-        model_->Apply(std::span<SandState>(&*bed.state, 1), std::span<const ToolPath>(&record.path, 1));
+        model_->Apply(std::span<SandState>(&*bed.state, 1),
+                      std::span<const ToolPath>(&record.path, 1));
         record.after = bed.state->map();
         return record;
       } catch (const GrainsLost& e) {
@@ -173,13 +181,15 @@ class Collector {
     const size_t strokes = bed.content.strokes.size();
     const bool keep = OfGrains(request_) && config_.packings == 1;
     if (keep && !last)
-      WriteHdf5(GrainFileOf(bed.index, strokes), [&](H5::H5File& h5) { WriteGrains(bed.state->grains()->grains, h5); });
+      WriteHdf5(GrainFileOf(bed.index, strokes),
+                [&](H5::H5File& h5) { WriteGrains(bed.state->grains()->grains, h5); });
     WriteStrokeFile(bed.content, FileOf(bed.index));
     if (keep) std::filesystem::remove(GrainFileOf(bed.index, strokes - 1));
   }
 
   void CollectBed(int64_t index) {
-    const int64_t wanted = std::min(request_.sequence, request_.strokes - index * request_.sequence);
+    const int64_t wanted =
+        std::min(request_.sequence, request_.strokes - index * request_.sequence);
     Bed bed;
     {
       const std::lock_guard lock(files_);  // the HDF5 library serves one thread at a time
@@ -211,14 +221,17 @@ class Collector {
 Collected Collect(const CollectConfig& config, const CollectRequest& request,
                   const std::function<bool()>& stop) {
   if (request.strokes < 1 || request.sequence < 1)
-    throw Error(fmt::format("strokes = {}, sequence = {}; both must be at least 1", request.strokes, request.sequence));
+    throw Error(fmt::format("strokes = {}, sequence = {}; both must be at least 1", request.strokes,
+                            request.sequence));
   if (request.source != "heightfield" && request.source != "dem")
     throw Error(fmt::format("source {}: allowed: heightfield, dem", request.source));
   if (config.packings > 1 && !OfGrains(request))
-    throw Error(fmt::format("packings = {}; only grains (source dem) are packed: must be 1", config.packings));
+    throw Error(fmt::format("packings = {}; only grains (source dem) are packed: must be 1",
+                            config.packings));
   if (request.out.extension() == ".h5" && request.strokes > request.sequence)
-    throw Error(fmt::format("{}: one file holds one bed, and {} strokes at {} a bed need several; name a folder",
-                            request.out.string(), request.strokes, request.sequence));
+    throw Error(fmt::format(
+        "{}: one file holds one bed, and {} strokes at {} a bed need several; name a folder",
+        request.out.string(), request.strokes, request.sequence));
   if (request.out.extension() != ".h5") std::filesystem::create_directories(request.out);
   return Collector(config, request, stop).Run();
 }

@@ -15,8 +15,8 @@
 namespace sandwright {
 namespace {
 
-constexpr double kStep_m = 0.005;        // straight pieces of a curve
-constexpr double kClear_m = 0.002;       // above the sand before coming down and after going up
+constexpr double kStep_m = 0.005;   // straight pieces of a curve
+constexpr double kClear_m = 0.002;  // above the sand before coming down and after going up
 constexpr double kMostOverlap = 0.03;
 
 // Distance in the plane from a point to the segment between two poses.
@@ -41,9 +41,8 @@ DemScene SceneAround(const GrainBed& bed, const ToolPath& path, const DemConfig&
   DemScene scene;
   const double extent_m[2] = {bed.width_m, bed.depth_m};
   for (int axis = 0; axis < 2; ++axis) {
-    const auto [low, high] = std::ranges::minmax(path, {}, [axis](const BladePose& p) {
-      return axis == 0 ? p.x_m : p.y_m;
-    });
+    const auto [low, high] = std::ranges::minmax(
+        path, {}, [axis](const BladePose& p) { return axis == 0 ? p.x_m : p.y_m; });
     const double reach_m = config.reach_m + shell_m;
     const auto at = [axis](const BladePose& p) { return axis == 0 ? p.x_m : p.y_m; };
     scene.wall_low[axis] = at(low) - reach_m <= 0;
@@ -76,7 +75,8 @@ std::vector<BladeMove> MovesAlong(const ToolPath& path, double top_m, const DemC
   add(above, path.front(), above.z_m - path.front().z_m, config.plunge_mps);
   for (size_t i = 1; i < path.size(); ++i)
     add(path[i - 1], path[i],
-        std::hypot(Travel(path[i - 1], path[i], config.blade), path[i].z_m - path[i - 1].z_m), config.speed_mps);
+        std::hypot(Travel(path[i - 1], path[i], config.blade), path[i].z_m - path[i - 1].z_m),
+        config.speed_mps);
   add(path.back(), out, out.z_m - path.back().z_m, config.lift_mps);
   return moves;
 }
@@ -96,7 +96,8 @@ SandState Dem::Start(HeightMap terrain, uint64_t seed) const {
   return SandState(std::move(surface), std::move(bed));
 }
 
-std::vector<Outcome> Dem::ApplyChecked(std::span<SandState> states, std::span<const ToolPath> paths) const {
+std::vector<Outcome> Dem::ApplyChecked(std::span<SandState> states,
+                                       std::span<const ToolPath> paths) const {
   std::vector<SandState> after(states.begin(), states.end());  // no row changes where one fails
   std::vector<Outcome> outcomes;
   for (size_t i = 0; i < states.size(); ++i) {
@@ -121,7 +122,8 @@ Outcome Dem::ApplyStroke(SandState& state, const ToolPath& path, DemReport& repo
   for (const Grain& g : scene.grains) top_m = std::max(top_m, g.z_m + g.radius_m);
   report = RunGrains(config_, MovesAlong(poses, top_m + kClear_m, config_), scene, StopRequested);
   if (report.grains_lost > 0)
-    throw GrainsLost(fmt::format("{} of {} grains were lost in a stroke", report.grains_lost, report.grains_moving),
+    throw GrainsLost(fmt::format("{} of {} grains were lost in a stroke", report.grains_lost,
+                                 report.grains_moving),
                      ErrorKind::kInternal);
   if (report.deepest_overlap > kMostOverlap)
     spdlog::warn("grains overlapped by {:.1f} % of their diameter; more than {:g} % is soft",

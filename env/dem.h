@@ -14,12 +14,12 @@ class GrainsLost : public Error {
   using Error::Error;
 };
 
-// Runs every stroke through discrete elements (dem_run.h). Works at any cell size; the map of a state
-// is the surface that a camera would see over its grains, rough as they are.
+// Runs every stroke through discrete elements (dem_run.h). Works at any cell size; the map of a
+// state is the surface that a camera would see over its grains, rough as they are.
 //
-// Only grains within reach of the path are simulated; the others stay where they are, so the cost does
-// not depend on the box. Each stroke starts from the grains that the one before left, at rest: contact
-// forces build up anew under gravity, which moves a bed at rest by less than it scatters (docs/sand.md).
+// Only grains within reach of the path are simulated; the others stay where they are, so the cost
+// does not depend on the box. Each stroke starts from the grains that the one before left, without
+// the history of their contacts, which moves a bed by less than it scatters (docs/sand.md).
 class Dem final : public SandModel {
  public:
   explicit Dem(DemConfig config = {});

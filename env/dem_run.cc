@@ -26,28 +26,33 @@ double GrainMaterial::time_step_s() const {
 
 namespace {
 
-constexpr double kRest_mps = 0.001;    // rms speed below which a bed is at rest: no grain moves on
-constexpr double kSample_s = 0.02;     // between two samples of overlap and speed
+constexpr double kRest_mps = 0.001;  // rms speed below which a bed is at rest: no grain moves on
+constexpr double kSample_s = 0.02;   // between two samples of overlap and speed
 constexpr double kBladeHeight_m = 0.2;
-constexpr double kMargin_m = 0.01;     // of the simulated box around its grains
+constexpr double kMargin_m = 0.01;  // of the simulated box around its grains
 
 // Linear spring and damping, Coulomb friction with history, rolling friction as a spring and slider.
 std::string ContactLaw(const GrainMaterial& m, double friction) {
   const double stiffness = m.stiffness_npm();
   const double damping = 2 * m.damping * std::sqrt(stiffness * m.mass_kg() / 2);
-  return fmt::format("hooke {:.9g} {:.9g} tangential linear_history {:.9g} 1.0 {:.9g} rolling sds {:.9g} {:.9g} {:.9g} "
-                     "twisting none damping velocity", stiffness, damping, 0.75 * stiffness, friction,
-                     stiffness / 1.2, damping / 4, m.rolling_friction);
+  return fmt::format(
+      "hooke {:.9g} {:.9g} tangential linear_history {:.9g} 1.0 {:.9g} rolling sds {:.9g} {:.9g} "
+      "{:.9g} "
+      "twisting none damping velocity",
+      stiffness, damping, 0.75 * stiffness, friction, stiffness / 1.2, damping / 4,
+      m.rolling_friction);
 }
 
 std::string Walls(const GrainMaterial& m, const DemScene& scene) {
   const std::string law = ContactLaw(m, m.friction);
   std::string text = fmt::format("fix floor moving wall/gran granular {} zplane 0 NULL\n", law);
   for (int axis = 0; axis < 2; ++axis) {
-    const auto side = [&](bool wall, double at) { return wall ? fmt::format("{:.17g}", at) : "NULL"; };
+    const auto side = [&](bool wall, double at) {
+      return wall ? fmt::format("{:.17g}", at) : "NULL";
+    };
     if (scene.wall_low[axis] || scene.wall_high[axis])
-      text += fmt::format("fix wall{0} moving wall/gran granular {1} {0}plane {2} {3}\n", "xy"[axis], law,
-                          side(scene.wall_low[axis], scene.low_m[axis]),
+      text += fmt::format("fix wall{0} moving wall/gran granular {1} {0}plane {2} {3}\n",
+                          "xy"[axis], law, side(scene.wall_low[axis], scene.low_m[axis]),
                           side(scene.wall_high[axis], scene.high_m[axis]));
   }
   return text;
@@ -66,7 +71,8 @@ std::string Preamble(const GrainMaterial& m, const DemScene& scene) {
              m.grain_m / 4) +
          "pair_style granular\n" + Contacts(m) + Walls(m, scene) +
          fmt::format(
-             "fix gravity moving gravity 9.81 vector 0 0 -1\nfix motion moving nve/sphere\ntimestep {:.9g}\n"
+             "fix gravity moving gravity 9.81 vector 0 0 -1\nfix motion moving "
+             "nve/sphere\ntimestep {:.9g}\n"
              "compute force all pair/local force\ncompute strongest all reduce max c_force\n"
              "variable speed2 atom vx*vx+vy*vy+vz*vz\ncompute fastest2 moving reduce max v_speed2\n"
              "compute mean2 moving reduce ave v_speed2\nvariable fastest equal sqrt(c_fastest2)\n"
@@ -120,7 +126,8 @@ std::string BladeScript(const DemConfig& c, std::span<const BladeMove> moves) {
     if (i == 0)
       text += fmt::format(
           "region blade block {} {} {} {} 0 {} side out move v_blade_x v_blade_y v_blade_z "
-          "rotate v_blade_yaw 0 0 0 0 0 1\nfix blade moving wall/gran/region granular {} region blade\n",
+          "rotate v_blade_yaw 0 0 0 0 0 1\nfix blade moving wall/gran/region granular {} region "
+          "blade\n",
           -b.thickness_m / 2, b.thickness_m / 2, -b.width_m / 2, b.width_m / 2, kBladeHeight_m,
           ContactLaw(c.material, c.blade_friction));
     text += fmt::format("run {} post no\n", steps);
@@ -134,18 +141,22 @@ void WriteGrains(const DemConfig& c, const DemScene& scene, const std::filesyste
   double top = 0;
   for (const Grain& g : scene.grains) top = std::max(top, g.z_m);
   std::string text = fmt::format(
-      "grains\n\n{} atoms\n2 atom types\n{:.17g} {:.17g} xlo xhi\n{:.17g} {:.17g} ylo yhi\n{} {} zlo zhi\n\n"
-      "Atoms # sphere\n\n", scene.grains.size(), scene.low_m[0] - kMargin_m, scene.high_m[0] + kMargin_m,
+      "grains\n\n{} atoms\n2 atom types\n{:.17g} {:.17g} xlo xhi\n{:.17g} {:.17g} ylo yhi\n{} {} "
+      "zlo zhi\n\n"
+      "Atoms # sphere\n\n",
+      scene.grains.size(), scene.low_m[0] - kMargin_m, scene.high_m[0] + kMargin_m,
       scene.low_m[1] - kMargin_m, scene.high_m[1] + kMargin_m, -kMargin_m, top + kBladeHeight_m);
   for (size_t i = 0; i < scene.grains.size(); ++i) {
     const Grain& g = scene.grains[i];
     fmt::format_to(std::back_inserter(text), "{} {} {:.17g} {} {:.17g} {:.17g} {:.17g}\n", i + 1,
-                   scene.held[i] ? 2 : 1, 2 * g.radius_m, c.material.density_kgpm3, g.x_m, g.y_m, g.z_m);
+                   scene.held[i] ? 2 : 1, 2 * g.radius_m, c.material.density_kgpm3, g.x_m, g.y_m,
+                   g.z_m);
   }
   if (!scene.velocity_mps.empty()) text += "\nVelocities\n\n";
   for (size_t i = 0; i < scene.velocity_mps.size(); ++i) {
     const Eigen::Vector3d& v = scene.velocity_mps[i];
-    fmt::format_to(std::back_inserter(text), "{} {:.17g} {:.17g} {:.17g} 0 0 0\n", i + 1, v.x(), v.y(), v.z());
+    fmt::format_to(std::back_inserter(text), "{} {:.17g} {:.17g} {:.17g} 0 0 0\n", i + 1, v.x(),
+                   v.y(), v.z());
   }
   WriteFileAtomically(file, text);
 }
@@ -156,7 +167,8 @@ void ReadOutput(const GrainMaterial& m, const std::string& output, DemReport& re
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     double step, atoms, force_n, fastest_mps, rms_mps;
-    if (!(words >> step >> atoms >> force_n >> fastest_mps >> rms_mps) || !(words >> std::ws).eof()) continue;
+    if (!(words >> step >> atoms >> force_n >> fastest_mps >> rms_mps) || !(words >> std::ws).eof())
+      continue;
     report.simulated_s = step * m.time_step_s();
     report.deepest_overlap =
         std::max(report.deepest_overlap, force_n / (m.stiffness_npm() * m.grain_m));
@@ -193,16 +205,17 @@ void ReadRest(const std::filesystem::path& file, DemScene& scene, DemReport& rep
 DemReport Run(const DemConfig& config, const std::string& script, DemScene& scene,
               const std::function<bool()>& stop) {
   if (!FindProgram("lmp"))
-    throw Error("sand model 'dem' (grains) needs LAMMPS with its package GRANULAR: no program `lmp` on PATH; "
-                "Debian and Ubuntu: apt-get install lammps");
+    throw Error(
+        "sand model 'dem' (grains) needs LAMMPS with its package GRANULAR: no program `lmp` on "
+        "PATH; "
+        "Debian and Ubuntu: apt-get install lammps");
   const TemporaryFolder folder;
   WriteGrains(config, scene, folder.path() / "grains.data");
   WriteFileAtomically(folder.path() / "in.lmp", script);
   std::vector<std::string> words = {"lmp", "-in", "in.lmp", "-log", "none"};
   if (config.ranks > 1)
     words.insert(words.begin(), {"mpirun", "--oversubscribe", "--allow-run-as-root", "--mca",
-                                 "mpi_yield_when_idle", "1", "-n",
-                                 std::to_string(config.ranks)});
+                                 "mpi_yield_when_idle", "1", "-n", std::to_string(config.ranks)});
   DemReport report;
   report.grains_moving = std::ranges::count(scene.held, uint8_t{0});
   const auto start = std::chrono::steady_clock::now();
@@ -219,7 +232,8 @@ DemReport Run(const DemConfig& config, const std::string& script, DemScene& scen
 
 }  // namespace
 
-DemReport SettleGrains(const DemConfig& config, DemScene& scene, const std::function<bool()>& stop) {
+DemReport SettleGrains(const DemConfig& config, DemScene& scene,
+                       const std::function<bool()>& stop) {
   constexpr double kFall_s = 0.45, kSettle_s = 0.08;
   // Without rolling friction by its coefficient: a contact law with another history in the middle of a
   // run reads what is not there (LAMMPS of January 2022).
@@ -228,8 +242,8 @@ DemReport SettleGrains(const DemConfig& config, DemScene& scene, const std::func
   const std::string script =
       Preamble(rolling_freely, scene) +
       fmt::format("run {} post no\n", std::llround(kFall_s / config.material.time_step_s())) +
-      Contacts(config.material) + "unfix floor\nunfix wallx\nunfix wally\n" + Walls(config.material, scene) +
-      ComeToRest(config.material, kSettle_s);
+      Contacts(config.material) + "unfix floor\nunfix wallx\nunfix wally\n" +
+      Walls(config.material, scene) + ComeToRest(config.material, kSettle_s);
   return Run(config, script, scene, stop);
 }
 

@@ -33,9 +33,9 @@ struct DemReport {
 // Grains that move and grains that hold them, in a box from `low` to `high` [m, along x and y].
 struct DemScene {
   double low_m[2], high_m[2];
-  bool wall_low[2], wall_high[2];   // this side is a wall; elsewhere held grains stand
+  bool wall_low[2], wall_high[2];  // this side is a wall; elsewhere held grains stand
   std::vector<Grain> grains;
-  std::vector<uint8_t> held;        // [grains] 1 = does not move
+  std::vector<uint8_t> held;                  // [grains] 1 = does not move
   std::vector<Eigen::Vector3d> velocity_mps;  // [grains] at the start; empty: at rest
 };
 

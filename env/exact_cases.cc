@@ -17,13 +17,15 @@ using Surface = std::function<double(double, double)>;
 
 double Radians(double angle_deg) { return angle_deg * std::numbers::pi / 180; }
 
-constexpr int kArea = 8;   // samples a side: a start's cells hold the mean over their area, to its rim
+constexpr int kArea =
+    8;  // samples a side: a start's cells hold the mean over their area, to its rim
 constexpr int kCentre = 1;  // an end is compared at the cells' centres
 
 // Makes maps of one repose (t: rise over run) and cell.
 class Cases {
  public:
-  Cases(double repose_deg, double cell_size_m) : t_(std::tan(Radians(repose_deg))), cell_m_(cell_size_m) {}
+  Cases(double repose_deg, double cell_size_m)
+      : t_(std::tan(Radians(repose_deg))), cell_m_(cell_size_m) {}
 
   HeightMap Sample(int rows, int columns, const Surface& surface, int samples) const {
     HeightMap map(rows, columns, cell_m_);
@@ -41,8 +43,10 @@ class Cases {
     return map;
   }
 
-  void Add(const std::string& name, int rows, int columns, const Surface& start, const Surface& end) {
-    cases_.push_back({name, Sample(rows, columns, start, kArea), 1, Sample(rows, columns, end, kCentre)});
+  void Add(const std::string& name, int rows, int columns, const Surface& start,
+           const Surface& end) {
+    cases_.push_back(
+        {name, Sample(rows, columns, start, kArea), 1, Sample(rows, columns, end, kCentre)});
   }
 
   // Sand poured at (x, y): a narrow column; `share` of the cone's volume lies in the box.
@@ -55,13 +59,16 @@ class Cases {
   // Two equal heaps that meet: the higher of two cones of one top, which the volume decides. What has
   // come down cannot tell where it came from, so the sources must run for long: many small portions.
   void TwoSources(int size, double volume, double half_distance) {
-    const auto distance = [=](double u, double v) { return std::hypot(std::abs(u) - half_distance, v); };
+    const auto distance = [=](double u, double v) {
+      return std::hypot(std::abs(u) - half_distance, v);
+    };
     double low = 0, high = volume;
     for (int i = 0; i < 50; ++i) {
       const double top = (low + high) / 2;
       (Sum(Cone(size, top, distance)) / cell_m_ < volume ? low : high) = top;
     }
-    cases_.push_back({"two sources", Column(size, volume, distance), 100, Cone(size, low, distance)});
+    cases_.push_back(
+        {"two sources", Column(size, volume, distance), 100, Cone(size, low, distance)});
   }
 
   // A cliff through the middle: a plane at repose around its half height.
@@ -69,7 +76,8 @@ class Cases {
     constexpr double kHeight = 30, kBase = 20;
     constexpr int kSize = 121;
     const double c = std::cos(Radians(azimuth_deg)), s = std::sin(Radians(azimuth_deg));
-    Add(fmt::format("step {:g} deg", azimuth_deg), kSize, kSize,
+    Add(
+        fmt::format("step {:g} deg", azimuth_deg), kSize, kSize,
         [&](double x, double y) { return kBase + (x * c + y * s < 0 ? kHeight : 0); },
         [&](double x, double y) {
           return kBase + std::clamp(kHeight / 2 - t_ * (x * c + y * s), 0.0, kHeight);
@@ -89,7 +97,8 @@ class Cases {
     const auto from_wall = [columns](double x) { return x + columns / 2.0; };
     const double half_run = height / (2 * t_), base = std::sqrt(2 * height * length / t_);
     const bool plateau = length >= half_run;
-    Add(name, 6, columns, [&](double x, double) { return from_wall(x) < length ? height : 0; },
+    Add(
+        name, 6, columns, [&](double x, double) { return from_wall(x) < length ? height : 0; },
         [&](double x, double) {
           const double toe = plateau ? length + half_run : base;
           return std::clamp(t_ * (toe - from_wall(x)), 0.0, plateau ? height : t_ * base);
@@ -104,18 +113,24 @@ class Cases {
     const double outer = frustum ? (run + root) / 2 : std::cbrt(3 * radius * radius * height / t_);
     const double top = frustum ? height : t_ * outer;
     const auto place = [pit, height](double h) { return pit ? height - h : h; };
-    Add(name, size, size,
+    Add(
+        name, size, size,
         [&](double x, double y) { return place(std::hypot(x, y) < radius ? height : 0); },
-        [&](double x, double y) { return place(std::clamp(t_ * (outer - std::hypot(x, y)), 0.0, top)); });
+        [&](double x, double y) {
+          return place(std::clamp(t_ * (outer - std::hypot(x, y)), 0.0, top));
+        });
   }
 
   // A trench with upright walls; narrow ones end as a V.
   void Trench(const std::string& name, double width, double depth) {
     const bool flat_floor = depth <= t_ * width;
     const double bottom = flat_floor ? depth : std::sqrt(depth * width * t_);
-    const double half_top = flat_floor ? width / 2 + depth / (2 * t_) : std::sqrt(depth * width / t_);
+    const double half_top =
+        flat_floor ? width / 2 + depth / (2 * t_) : std::sqrt(depth * width / t_);
     constexpr double kFloor = 10;
-    Add(name, 6, 120, [&](double x, double) { return kFloor + (std::abs(x) < width / 2 ? 0 : depth); },
+    Add(
+        name, 6, 120,
+        [&](double x, double) { return kFloor + (std::abs(x) < width / 2 ? 0 : depth); },
         [&](double x, double) {
           return kFloor + depth - std::clamp(t_ * (half_top - std::abs(x)), 0.0, bottom);
         });
@@ -129,13 +144,16 @@ class Cases {
   // Of a volume [cells^3] within a few cells of the sources; the surface at repose that falls off from them.
   HeightMap Column(int size, double volume, const Surface& distance) const {
     constexpr double kRadius = 3;
-    HeightMap map = Sample(size, size, [&](double u, double v) { return distance(u, v) < kRadius; }, kArea);
+    HeightMap map = Sample(
+        size, size, [&](double u, double v) { return distance(u, v) < kRadius; }, kArea);
     const double scale = volume * cell_m_ / Sum(map);
     for (float& h : map.height_m) h = static_cast<float>(h * scale);
     return map;
   }
   HeightMap Cone(int size, double top, const Surface& distance) const {
-    return Sample(size, size, [&](double u, double v) { return std::max(0.0, top - t_ * distance(u, v)); }, kCentre);
+    return Sample(
+        size, size, [&](double u, double v) { return std::max(0.0, top - t_ * distance(u, v)); },
+        kCentre);
   }
 
   static double Sum(const HeightMap& map) {
@@ -165,8 +183,9 @@ std::vector<ExactCase> ExactCases(double repose_deg, double cell_size_m) {
   cases.Round("pit", 101, 25, 20, true);
   cases.Trench("trench, wide", 50, 20);
   cases.Trench("trench, narrow", 20, 20);
-  cases.Add("tilted closed box", 20, 60, [&](double x, double) { return 60 + 1.5 * cases.t() * x; },
-            [&](double x, double) { return 60 + cases.t() * x; });
+  cases.Add(
+      "tilted closed box", 20, 60, [&](double x, double) { return 60 + 1.5 * cases.t() * x; },
+      [&](double x, double) { return 60 + cases.t() * x; });
   cases.Rest("flat", 40, [](double, double) { return 20.0; });
   for (const double azimuth_deg : {0.0, 17.0, 30.0, 45.0}) {
     const double c = std::cos(Radians(azimuth_deg)), s = std::sin(Radians(azimuth_deg));
@@ -176,7 +195,8 @@ std::vector<ExactCase> ExactCases(double repose_deg, double cell_size_m) {
   }
   // Each face: height difference along it alone, since the differences beside it cancel.
   cases.Rest("checkerboard", 40, [&](double x, double y) {
-    return 20 + 0.45 * cases.t() * (static_cast<int>(std::floor(x) + std::floor(y)) % 2 == 0 ? 1 : -1);
+    return 20 +
+           0.45 * cases.t() * (static_cast<int>(std::floor(x) + std::floor(y)) % 2 == 0 ? 1 : -1);
   });
   return cases.Take();
 }

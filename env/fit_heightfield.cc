@@ -37,7 +37,8 @@ std::vector<StrokeFile> ReadAll(const std::vector<std::filesystem::path>& paths)
   return files;
 }
 
-CalibrationScore Judge(const HeightfieldConfig& config, const std::vector<GriddedStrokes>& grids, int threads) {
+CalibrationScore Judge(const HeightfieldConfig& config, const std::vector<GriddedStrokes>& grids,
+                       int threads) {
   CalibrationScore mean;
   for (const GriddedStrokes& grid : grids) {
     ThrowIfStopRequested();
@@ -47,7 +48,8 @@ CalibrationScore Judge(const HeightfieldConfig& config, const std::vector<Gridde
     Heightfield(threaded).Apply(states, grid.paths);
     std::vector<StrokeScore> scores;
     for (size_t i = 0; i < states.size(); ++i)
-      scores.push_back(ScoreStroke(grid.before[i].map(), grid.after[i], states[i].map(), grid.paths[i]));
+      scores.push_back(
+          ScoreStroke(grid.before[i].map(), grid.after[i], states[i].map(), grid.paths[i]));
     const ScoreSummary summary = Summarise(scores, 0);
     const auto share = 1 / static_cast<double>(grids.size());
     mean.r2_change += share * summary.r2_change.value_or(0);
@@ -67,7 +69,8 @@ std::vector<Parameter> Find(const std::vector<std::string>& keys, const FieldLis
   for (const std::string& key : keys) {
     const auto field = std::ranges::find(fields.fields(), key, &Field::key);
     if (field == fields.fields().end() || !std::holds_alternative<double*>(field->target))
-      throw Error(fmt::format("parameters: '{}' is no number of the heightfield's; see heightfield.* in --help", key));
+      throw Error(fmt::format(
+          "parameters: '{}' is no number of the heightfield's; see heightfield.* in --help", key));
     found.push_back({std::get<double*>(field->target), field->low, field->high});
   }
   if (found.empty()) throw Error("parameters is empty; name at least one key of the heightfield");
@@ -81,13 +84,17 @@ nlohmann::json Calibration::ToJson() const {
     return nlohmann::json{{"r2_change", s.r2_change}, {"rmse_mm", s.rmse_mm}, {"mae_mm", s.mae_mm}};
   };
   HeightfieldConfig copy = heightfield;
-  nlohmann::json json = {{"model", "heightfield"}, {"heightfield", sandwright::ToJson(FieldsOf(copy))},
-                         {"start", figures(start)}, {"fitted", figures(fitted)}, {"evaluations", evaluations}};
+  nlohmann::json json = {{"model", "heightfield"},
+                         {"heightfield", sandwright::ToJson(FieldsOf(copy))},
+                         {"start", figures(start)},
+                         {"fitted", figures(fitted)},
+                         {"evaluations", evaluations}};
   if (validation) json["validation"] = figures(*validation);
   return json;
 }
 
-Calibration CalibrateHeightfield(const CalibrationConfig& config, const std::vector<std::filesystem::path>& data,
+Calibration CalibrateHeightfield(const CalibrationConfig& config,
+                                 const std::vector<std::filesystem::path>& data,
                                  const std::vector<std::filesystem::path>& validation, int threads,
                                  const std::function<void(int, double)>& progress) {
   Calibration result;
@@ -97,11 +104,13 @@ Calibration CalibrateHeightfield(const CalibrationConfig& config, const std::vec
   const std::vector<StrokeFile> fit = ReadAll(data), held_out = ReadAll(validation);
   for (const StrokeFile& file : held_out) {
     if (std::ranges::find(fit, file.bed, &StrokeFile::bed) != fit.end())
-      throw Error("bed '" + file.bed + "' is in both --data and --validation; split by bed, never by stroke");
+      throw Error("bed '" + file.bed +
+                  "' is in both --data and --validation; split by bed, never by stroke");
   }
   const auto on_grids = [&](const std::vector<StrokeFile>& files) {
     std::vector<GriddedStrokes> grids;
-    for (const double cell_size_m : config.cell_sizes_m) grids.push_back(OnGrid(files, cell_size_m));
+    for (const double cell_size_m : config.cell_sizes_m)
+      grids.push_back(OnGrid(files, cell_size_m));
     return grids;
   };
   const std::vector<GriddedStrokes> grids = on_grids(fit);

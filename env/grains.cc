@@ -36,14 +36,17 @@ void Blur(double sigma_cells, bool along_rows, HeightMap& map) {
 HeightMap SurfaceOf(const GrainBed& bed, int rows, int columns, double blur_m) {
   const double cell = bed.width_m / columns;
   HeightMap map(rows, columns, cell);
-  const auto first = [cell](double low) { return std::max(0, static_cast<int>(std::ceil(low / cell - 0.5))); };
+  const auto first = [cell](double low) {
+    return std::max(0, static_cast<int>(std::ceil(low / cell - 0.5)));
+  };
   const auto last = [cell](double high, int count) {
     return std::min(count - 1, static_cast<int>(std::floor(high / cell - 0.5)));
   };
   for (const Grain& g : bed.grains) {
     for (int row = first(g.y_m - g.radius_m); row <= last(g.y_m + g.radius_m, rows); ++row) {
       const double dy = (row + 0.5) * cell - g.y_m;
-      for (int column = first(g.x_m - g.radius_m); column <= last(g.x_m + g.radius_m, columns); ++column) {
+      for (int column = first(g.x_m - g.radius_m); column <= last(g.x_m + g.radius_m, columns);
+           ++column) {
         const double dx = (column + 0.5) * cell - g.x_m;
         const double rise2 = g.radius_m * g.radius_m - dx * dx - dy * dy;
         if (rise2 <= 0) continue;

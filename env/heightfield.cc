@@ -32,7 +32,8 @@ void GiveBackRounding(const HeightMap& before, const CellRect& rect, HeightMap& 
     }
   }
   const double share_m = moved.empty() ? 0 : made_m / static_cast<double>(moved.size());
-  for (const size_t cell : moved) map.height_m[cell] = static_cast<float>(map.height_m[cell] - share_m);
+  for (const size_t cell : moved)
+    map.height_m[cell] = static_cast<float>(map.height_m[cell] - share_m);
 }
 
 }  // namespace
@@ -67,7 +68,8 @@ Outcome Heightfield::ApplyOne(SandState& state, const ToolPath& path) const {
   avalanche.Disturb(blade.Plunge(poses.front()));
   for (size_t k = 1; k < poses.size(); ++k) {
     avalanche.Disturb(blade.Advance(poses[k - 1], poses[k]));
-    const double diffusion_m2 = config_.relaxation_m * Travel(poses[k - 1], poses[k], config_.blade);
+    const double diffusion_m2 =
+        config_.relaxation_m * Travel(poses[k - 1], poses[k], config_.blade);
     avalanche.Flow(repose_tan, diffusion_m2 / (cell * cell), blade.ClosedFaces(poses[k]));
   }
   avalanche.Settle(repose_tan);

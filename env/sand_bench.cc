@@ -21,7 +21,9 @@ double BestOf_ms(int runs, const std::function<void()>& work) {
     ThrowIfStopRequested();
     const auto start = std::chrono::steady_clock::now();
     work();
-    best_ms = std::min(best_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    best_ms = std::min(
+        best_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+                     .count());
   }
   return best_ms;
 }
@@ -32,8 +34,8 @@ Stroke MiddleStroke(double width_m, double depth_m) {
   return {{middle - half, middle + half}, 1, 0.1};
 }
 
-SandBenchRow TimeStroke(const HeightfieldConfig& config, const std::string& name, double box_m, double cell_size_m,
-                        int batch, int threads) {
+SandBenchRow TimeStroke(const HeightfieldConfig& config, const std::string& name, double box_m,
+                        double cell_size_m, int batch, int threads) {
   HeightfieldConfig threaded = config;
   threaded.threads = threads;
   const Heightfield model(threaded);
@@ -45,7 +47,11 @@ SandBenchRow TimeStroke(const HeightfieldConfig& config, const std::string& name
     std::vector<SandState> states = start;
     model.Apply(states, strokes);
   });
-  return {.name = name, .threads = threads, .batch = batch, .cell_size_m = cell_size_m, .ms_per_stroke = ms / batch};
+  return {.name = name,
+          .threads = threads,
+          .batch = batch,
+          .cell_size_m = cell_size_m,
+          .ms_per_stroke = ms / batch};
 }
 
 SandBenchRow RunExactCase(const ExactCase& exact, double repose_deg) {
@@ -53,8 +59,12 @@ SandBenchRow RunExactCase(const ExactCase& exact, double repose_deg) {
   const double ms = BestOf_ms(3, [&] { map = SettleCase(exact, repose_deg); });
   const CellError error = Differ(map, exact.expected);
   const double cell_mm = 1e3 * map.cell_size_m;
-  return {.name = "exact: " + exact.name, .cell_size_m = map.cell_size_m, .ms_per_stroke = ms,
-          .rmse_mm = cell_mm * error.rmse, .mae_mm = cell_mm * error.mean, .rmse_cells = error.rmse,
+  return {.name = "exact: " + exact.name,
+          .cell_size_m = map.cell_size_m,
+          .ms_per_stroke = ms,
+          .rmse_mm = cell_mm * error.rmse,
+          .mae_mm = cell_mm * error.mean,
+          .rmse_cells = error.rmse,
           .max_cells = error.largest};
 }
 
@@ -63,16 +73,21 @@ SandBenchRow ScoreRow(const SandModel& model, const SandBench& bench, double mod
   config.model_cell_size_m = model_cell_size_m;
   const ScoreReport report = ScoreModel(model, bench.data, config);
   const ScoreSummary total = report.Total();
-  return {.name = "strokes: " + model.name(), .cell_size_m = report.model_cell_size_m,
-          .ms_per_stroke = report.ms_per_stroke, .rmse_mm = total.rmse_mean_mm, .mae_mm = total.mae_mm,
-          .r2_change = total.r2_change, .volume_drift_rel = total.volume_drift_rel};
+  return {.name = "strokes: " + model.name(),
+          .cell_size_m = report.model_cell_size_m,
+          .ms_per_stroke = report.ms_per_stroke,
+          .rmse_mm = total.rmse_mean_mm,
+          .mae_mm = total.mae_mm,
+          .r2_change = total.r2_change,
+          .volume_drift_rel = total.volume_drift_rel};
 }
 
 }  // namespace
 
 void RunSandBench(const SandBench& bench, const std::function<void(const SandBenchRow&)>& done) {
   const HeightfieldConfig& config = bench.heightfield;
-  for (const ExactCase& exact : ExactCases(config.repose_deg, 1e-3)) done(RunExactCase(exact, config.repose_deg));
+  for (const ExactCase& exact : ExactCases(config.repose_deg, 1e-3))
+    done(RunExactCase(exact, config.repose_deg));
   for (const double cell_size_m : {0.01, 0.005, 0.0025, 0.002})
     done(TimeStroke(config, "200 mm stroke, box 0.6 m", 0.6, cell_size_m, 1, 1));
   for (const double box_m : {0.3, 1.2, 5.0})

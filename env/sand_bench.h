@@ -16,10 +16,10 @@ struct SandBenchRow {
   std::string name;
   int threads = 1, batch = 1;
   double cell_size_m = 0;
-  double ms_per_stroke = 0;       // best of several runs, wall clock; an exact case: all of it
-  std::optional<double> rmse_mm = {}, mae_mm = {};                // where there is a truth
-  std::optional<double> rmse_cells = {}, max_cells = {};          // of exact cases
-  std::optional<double> r2_change = {}, volume_drift_rel = {};    // of recorded strokes
+  double ms_per_stroke = 0;  // best of several runs, wall clock; an exact case: all of it
+  std::optional<double> rmse_mm = {}, mae_mm = {};              // where there is a truth
+  std::optional<double> rmse_cells = {}, max_cells = {};        // of exact cases
+  std::optional<double> r2_change = {}, volume_drift_rel = {};  // of recorded strokes
 };
 
 struct SandBench {

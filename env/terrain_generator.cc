@@ -37,7 +37,8 @@ void AddNoise(double size_m, double amplitude, RandomStream& stream, HeightMap& 
 }
 
 double Mean(const HeightMap& map) {
-  return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0) / static_cast<double>(map.size());
+  return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0) /
+         static_cast<double>(map.size());
 }
 
 // Scales the heights about their mean to a standard deviation.
@@ -45,7 +46,8 @@ void ScaleTo(double deviation_m, HeightMap& map) {
   const double mean = Mean(map);
   double square = 0;
   for (const float h : map.height_m) square += (h - mean) * (h - mean);
-  const double scale = square > 0 ? deviation_m / std::sqrt(square / static_cast<double>(map.size())) : 0;
+  const double scale =
+      square > 0 ? deviation_m / std::sqrt(square / static_cast<double>(map.size())) : 0;
   for (float& h : map.height_m) h = static_cast<float>(scale * (h - mean));
 }
 
@@ -58,7 +60,8 @@ void ShiftTo(double mean_m, HeightMap& map) {
 }
 
 void AddShape(double largest_m, RandomStream& stream, HeightMap& map) {
-  constexpr std::array kKinds = {GoalKind::kMound, GoalKind::kCrater, GoalKind::kTrench, GoalKind::kRidge};
+  constexpr std::array kKinds = {GoalKind::kMound, GoalKind::kCrater, GoalKind::kTrench,
+                                 GoalKind::kRidge};
   GoalShape shape;
   shape.kind = kKinds[stream.Index(kKinds.size())];
   shape.x_m = stream.Uniform(0, map.width_m());

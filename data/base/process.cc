@@ -46,7 +46,8 @@ int RunProgram(const std::vector<std::string>& words, const std::filesystem::pat
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   posix_spawnattr_setpgroup(&attributes, 0);
   pid_t child = 0;
-  const int failure = posix_spawnp(&child, arguments[0], &files, &attributes, arguments.data(), environ);
+  const int failure =
+      posix_spawnp(&child, arguments[0], &files, &attributes, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (failure != 0) throw Error("cannot start " + words[0] + ": " + std::strerror(failure));
@@ -65,7 +66,8 @@ int RunProgram(const std::vector<std::string>& words, const std::filesystem::pat
 
 TemporaryFolder::TemporaryFolder() {
   std::string name = std::filesystem::temp_directory_path() / "sandwright-XXXXXX";
-  if (!mkdtemp(name.data())) throw Error("cannot make a folder " + name + ": " + std::strerror(errno));
+  if (!mkdtemp(name.data()))
+    throw Error("cannot make a folder " + name + ": " + std::strerror(errno));
   path_ = name;
 }
 

@@ -19,8 +19,8 @@ HeightMap Make(int rows, int columns, const std::function<double(double, double)
   HeightMap map(rows, columns, kCell);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column)
-      map.At(row, column) = static_cast<float>(
-          kCell * height(column - (columns - 1) / 2.0, row - (rows - 1) / 2.0));
+      map.At(row, column) =
+          static_cast<float>(kCell * height(column - (columns - 1) / 2.0, row - (rows - 1) / 2.0));
   }
   return map;
 }
@@ -56,9 +56,11 @@ void ExpectRelaxesTo(HeightMap map, const HeightMap& expected, double rmse, doub
 TEST(Avalanche, PouredSandBecomesACone) {
   const double volume = 2e4, top = std::cbrt(3 * volume * kTan * kTan / std::numbers::pi);
   const auto column = [&](double x, double y) { return std::hypot(x, y) < 3 ? volume / 25 : 0; };
-  ExpectRelaxesTo(Make(81, 81, column),
-                  Make(81, 81, [&](double x, double y) { return std::max(0.0, top - kTan * std::hypot(x, y)); }),
-                  0.05, 0.4);
+  ExpectRelaxesTo(
+      Make(81, 81, column),
+      Make(81, 81,
+           [&](double x, double y) { return std::max(0.0, top - kTan * std::hypot(x, y)); }),
+      0.05, 0.4);
 }
 
 TEST(Avalanche, PouredAtAWallBecomesHalfACone) {
@@ -67,16 +69,22 @@ TEST(Avalanche, PouredAtAWallBecomesHalfACone) {
   const auto from_wall = [](double x) { return x + 40.5; };
   int cells = 0;
   Make(81, 81, [&](double x, double y) { return cells += std::hypot(from_wall(x), y) < 3, 0; });
-  const auto column = [&](double x, double y) { return std::hypot(from_wall(x), y) < 3 ? volume / cells : 0; };
-  ExpectRelaxesTo(Make(81, 81, column), Make(81, 81, [&](double x, double y) {
-    return std::max(0.0, top - kTan * std::hypot(from_wall(x), y));
-  }), 0.05, 0.4);
+  const auto column = [&](double x, double y) {
+    return std::hypot(from_wall(x), y) < 3 ? volume / cells : 0;
+  };
+  ExpectRelaxesTo(Make(81, 81, column),
+                  Make(81, 81,
+                       [&](double x, double y) {
+                         return std::max(0.0, top - kTan * std::hypot(from_wall(x), y));
+                       }),
+                  0.05, 0.4);
 }
 
 TEST(Avalanche, AStepOfAnyAzimuthSettlesAroundItsMiddle) {
   const double step = 30, base = 20;
   for (const double azimuth_deg : {0.0, 30.0, 45.0}) {
-    const double c = std::cos(azimuth_deg * std::numbers::pi / 180), s = std::sin(azimuth_deg * std::numbers::pi / 180);
+    const double c = std::cos(azimuth_deg * std::numbers::pi / 180),
+                 s = std::sin(azimuth_deg * std::numbers::pi / 180);
     const auto along = [&](double x, double y) { return x * c + y * s; };
     // A cell on the edge holds its share, so that the step has its true place.
     HeightMap map = Make(121, 121, [&](double x, double y) {
@@ -94,14 +102,19 @@ TEST(Avalanche, AStepOfAnyAzimuthSettlesAroundItsMiddle) {
 }
 
 TEST(Avalanche, ACylinderBecomesAFrustum) {
-  const double radius = 30, height = 20, run = height / kTan, root = std::sqrt(4 * radius * radius - run * run / 3);
+  const double radius = 30, height = 20, run = height / kTan,
+               root = std::sqrt(4 * radius * radius - run * run / 3);
   const double inner = (-run + root) / 2, outer = (run + root) / 2;
   const auto cylinder = [&](double x, double y) {
     return height * std::clamp(radius + 0.5 - std::hypot(x, y), 0.0, 1.0);
   };
-  ExpectRelaxesTo(Make(121, 121, cylinder), Make(121, 121, [&](double x, double y) {
-    return std::clamp((outer - std::hypot(x, y)) * kTan, 0.0, height * (inner > 0));
-  }), 0.05, 0.4);
+  ExpectRelaxesTo(Make(121, 121, cylinder),
+                  Make(121, 121,
+                       [&](double x, double y) {
+                         return std::clamp((outer - std::hypot(x, y)) * kTan, 0.0,
+                                           height * (inner > 0));
+                       }),
+                  0.05, 0.4);
 }
 
 TEST(Avalanche, PilesAreRound) {
@@ -112,7 +125,8 @@ TEST(Avalanche, PilesAreRound) {
   for (int k = 0; k < 90; ++k) {
     const double angle = k * std::numbers::pi / 45;
     for (double r = 0;; r += 0.02) {
-      const double height = HeightAt(map, kCell * (40.5 + r * std::cos(angle)), kCell * (40.5 + r * std::sin(angle)));
+      const double height =
+          HeightAt(map, kCell * (40.5 + r * std::cos(angle)), kCell * (40.5 + r * std::sin(angle)));
       if (height > half) continue;
       nearest = std::min(nearest, r);
       farthest = std::max(farthest, r);
@@ -125,8 +139,10 @@ TEST(Avalanche, PilesAreRound) {
 TEST(Avalanche, SlopesUpToTheCriticalOneStayAsTheyAre) {
   for (const double share : {0.0, 0.5, 1.0}) {
     for (const double azimuth_deg : {0.0, 17.0, 30.0, 45.0}) {
-      const double c = std::cos(azimuth_deg * std::numbers::pi / 180), s = std::sin(azimuth_deg * std::numbers::pi / 180);
-      const HeightMap map = Make(40, 60, [&](double x, double y) { return 50 + share * kTan * (x * c + y * s); });
+      const double c = std::cos(azimuth_deg * std::numbers::pi / 180),
+                   s = std::sin(azimuth_deg * std::numbers::pi / 180);
+      const HeightMap map =
+          Make(40, 60, [&](double x, double y) { return 50 + share * kTan * (x * c + y * s); });
       HeightMap relaxed = map;
       RelaxToRepose(relaxed, 33);
       EXPECT_EQ(relaxed.height_m, map.height_m) << share << " " << azimuth_deg;
@@ -135,7 +151,9 @@ TEST(Avalanche, SlopesUpToTheCriticalOneStayAsTheyAre) {
 }
 
 TEST(Avalanche, KeepsTheSymmetriesOfTheSquareBitForBit) {
-  const auto bumps = [](double x, double y) { return 30 + 20 * std::sin(0.5 * x) * std::cos(0.9 * y + 0.4 * x); };
+  const auto bumps = [](double x, double y) {
+    return 30 + 20 * std::sin(0.5 * x) * std::cos(0.9 * y + 0.4 * x);
+  };
   HeightMap map = Make(50, 36, bumps);
   HeightMap mirrored = Make(50, 36, [&](double x, double y) { return bumps(-x, y); });
   HeightMap transposed = Make(36, 50, [&](double x, double y) { return bumps(y, x); });

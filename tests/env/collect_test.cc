@@ -16,7 +16,8 @@ class CollectTest : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() /
-              (std::string("sandwright_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+              (std::string("sandwright_") +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
     config_.width_m = 0.25;
@@ -55,7 +56,9 @@ TEST_F(CollectTest, StrokesOfABedFollowEachOther) {
       const StrokeRecord& record = content.strokes[i];
       EXPECT_EQ(record.step, static_cast<int64_t>(i));
       EXPECT_EQ(record.sequence, static_cast<int64_t>(beds.size()));
-      if (i > 0) { EXPECT_EQ(record.before.height_m, content.strokes[i - 1].after.height_m); }
+      if (i > 0) {
+        EXPECT_EQ(record.before.height_m, content.strokes[i - 1].after.height_m);
+      }
     }
     beds.push_back(content.bed);
   }
@@ -92,7 +95,8 @@ TEST_F(CollectTest, RefusesWhatItCannotContinue) {
   other.seed = 43;
   EXPECT_NE(ErrorOf(other).find("it holds strokes of other settings"), std::string::npos);
   config_.heightfield.repose_deg = 30;
-  EXPECT_NE(ErrorOf(Request("one.h5", 2, 2)).find("it holds strokes of other settings"), std::string::npos);
+  EXPECT_NE(ErrorOf(Request("one.h5", 2, 2)).find("it holds strokes of other settings"),
+            std::string::npos);
   WriteFileAtomically(folder_ / "foreign.h5", "not HDF5");
   EXPECT_NE(ErrorOf(Request("foreign.h5", 1, 1)).find("not an HDF5 file"), std::string::npos);
   EXPECT_NE(ErrorOf(Request("one.h5", 0, 1)).find("strokes = 0"), std::string::npos);
@@ -111,7 +115,8 @@ TEST_F(CollectTest, GrainsContinueToTheSameBytes) {
   config_.cell_size_m = 0.004;
   config_.terrain.mean_depth_m = 0.04;
   config_.terrain.amplitude_m = 0.001;
-  config_.excavation = {.wall_margin_m = 0.03, .floor_margin_m = 0.025, .deepest_m = 0.012, .shortest_m = 0.02};
+  config_.excavation = {
+      .wall_margin_m = 0.03, .floor_margin_m = 0.025, .deepest_m = 0.012, .shortest_m = 0.02};
   config_.dem.reach_m = 0.04;
   config_.dem.cache = folder_ / "cache";
   CollectRequest request = Request("whole.h5", 2, 2);

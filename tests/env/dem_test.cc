@@ -42,7 +42,8 @@ class DemTest : public testing::Test {
 };
 
 double MeanHeight(const HeightMap& map) {
-  return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0) / static_cast<double>(map.size());
+  return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0) /
+         static_cast<double>(map.size());
 }
 
 Stroke Line(double x0, double x1, double y, double z) { return {{{x0, y, z}, {x1, y, z}}, 1, 0.1}; }
@@ -53,7 +54,8 @@ bool Same(const Grain& a, const Grain& b) {
 
 double RmsDifference(const HeightMap& a, const HeightMap& b) {
   double squared = 0;
-  for (size_t i = 0; i < a.size(); ++i) squared += std::pow(double{a.height_m[i]} - b.height_m[i], 2);
+  for (size_t i = 0; i < a.size(); ++i)
+    squared += std::pow(double{a.height_m[i]} - b.height_m[i], 2);
   return std::sqrt(squared / static_cast<double>(a.size()));
 }
 
@@ -66,7 +68,8 @@ TEST_F(DemTest, ABedComesNearToItsTerrain) {
   EXPECT_LT(RmsDifference(Bed().map(), terrain), 0.5 * Config().material.grain_m);
   EXPECT_LT(DeepestOverlap(Bed().grains()->grains), 0.05);
   EXPECT_EQ(Dem(Config()).Start(terrain, 1).map().height_m, Bed().map().height_m);
-  EXPECT_GT(RmsDifference(Dem(Config()).Start(terrain, 2).map(), Bed().map()), 5e-4) << "another packing";
+  EXPECT_GT(RmsDifference(Dem(Config()).Start(terrain, 2).map(), Bed().map()), 5e-4)
+      << "another packing";
 }
 
 TEST_F(DemTest, AStrokeMovesTheGrainsNearItAndTheNextOneGoesOnWithThem) {
@@ -122,7 +125,8 @@ TEST_F(DemTest, LostGrainsAreAnErrorAndChangeNothing) {
   DemConfig config = Config();
   config.speed_mps = config.plunge_mps = 2;  // a hammer
   std::vector<SandState> states = {Bed(), Bed()};
-  const std::vector<ToolPath> paths = {Cut(0.03, 0.04), SamplePath(Line(0.03, 0.08, 0.04, 0.002), 0.002)};
+  const std::vector<ToolPath> paths = {Cut(0.03, 0.04),
+                                       SamplePath(Line(0.03, 0.08, 0.04, 0.002), 0.002)};
   EXPECT_THAT([&] { Dem(config).Apply(states, paths); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("were lost in a stroke")));
   EXPECT_EQ(states[0].map().height_m, Bed().map().height_m);

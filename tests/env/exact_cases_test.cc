@@ -57,7 +57,8 @@ TEST(ExactCases, TheMeasureOfRoundnessSeesADiamond) {
   HeightMap diamond(101, 101, 1e-3);
   for (int row = 0; row < 101; ++row) {
     for (int column = 0; column < 101; ++column)
-      diamond.At(row, column) = static_cast<float>(std::max(0, 40 - std::abs(row - 50) - std::abs(column - 50)));
+      diamond.At(row, column) =
+          static_cast<float>(std::max(0, 40 - std::abs(row - 50) - std::abs(column - 50)));
   }
   EXPECT_NEAR(ContourSpread(diamond), 1 - std::sqrt(0.5), 0.1);
 }

@@ -28,8 +28,8 @@ TEST_F(FitHeightfieldTest, FindsTheParameterThatMadeTheStrokes) {
   config.cell_sizes_m = {0.01};
   config.parameters = {"cut.bite_m"};
   int calls = 0;
-  const Calibration found = CalibrateHeightfield(config, {Strokes("fit_a", 1)}, {Strokes("fit_b", 2)}, 1,
-                                                 [&](int, double) { ++calls; });
+  const Calibration found = CalibrateHeightfield(
+      config, {Strokes("fit_a", 1)}, {Strokes("fit_b", 2)}, 1, [&](int, double) { ++calls; });
   EXPECT_NEAR(found.heightfield.cut.bite_m, 0.008, 0.0005);
   EXPECT_GT(found.fitted.r2_change, 0.995);
   EXPECT_LT(found.start.r2_change, 0.97);
@@ -43,7 +43,8 @@ TEST_F(FitHeightfieldTest, RefusesOneBedInBothSetsAndKeysThatAreNoNumbers) {
   const auto file = Strokes("fit_c", 3);
   CalibrationConfig config;
   const auto fit = [&] { CalibrateHeightfield(config, {file}, {file}, 1, [](int, double) {}); };
-  EXPECT_THAT(fit, testing::ThrowsMessage<Error>(testing::HasSubstr("in both --data and --validation")));
+  EXPECT_THAT(fit,
+              testing::ThrowsMessage<Error>(testing::HasSubstr("in both --data and --validation")));
   config.parameters = {"cut.bight_m"};
   EXPECT_THAT(fit, testing::ThrowsMessage<Error>(testing::HasSubstr("'cut.bight_m'")));
 }

@@ -27,7 +27,8 @@ HeightMap Hills(int cells, double cell_m) {
   for (int row = 0; row < cells; ++row) {
     for (int column = 0; column < cells; ++column) {
       const double x = (column + 0.5) * cell_m, y = (row + 0.5) * cell_m;
-      map.At(row, column) = static_cast<float>(0.05 + 0.006 * std::sin(31 * x + 1) * std::cos(23 * y + 9 * x));
+      map.At(row, column) =
+          static_cast<float>(0.05 + 0.006 * std::sin(31 * x + 1) * std::cos(23 * y + 9 * x));
     }
   }
   return map;
@@ -94,7 +95,8 @@ TEST(Operations, RepeatedStrokesDieOut) {
 // gap g from the blade and, when the blade is gone, lies as one heap whose faces are both at repose:
 // it falls towards the wall from a crest where the blade stood, and back into the trench.
 TEST(Operations, AFullWidthPushAgainstAWall) {
-  const double cell_m = 0.0025, bottom_m = 0.03, depth_m = 0.01, start_m = 0.06, end_m = 0.27, wall_m = 0.3;
+  const double cell_m = 0.0025, bottom_m = 0.03, depth_m = 0.01, start_m = 0.06, end_m = 0.27,
+               wall_m = 0.3;
   HeightfieldConfig config;
   config.blade.width_m = 0.05;
   config.cut = {0, 0, 0};
@@ -119,7 +121,8 @@ TEST(Operations, AFullWidthPushAgainstAWall) {
     for (double x = toe; x < wall_m; x += 1e-5) sum += 1e-5 * (height(toe, x) - bottom_m);
     return sum;
   };
-  for (int i = 0; i < 40; ++i) (volume((low + high) / 2) > volume_m2 ? low : high) = (low + high) / 2;
+  for (int i = 0; i < 40; ++i)
+    (volume((low + high) / 2) > volume_m2 ? low : high) = (low + high) / 2;
   double squared = 0;
   int count = 0;
   for (double x = start_m + 0.02; x < wall_m; x += cell_m, ++count)
@@ -133,15 +136,16 @@ TEST(Operations, HeadingDoesNotMatter) {
   const HeightMap bed(160, 160, cell_m, 0.05f);
   const auto turned = [&](double angle_deg) {
     const double angle = angle_deg * std::numbers::pi / 180;
-    const Eigen::Vector3d half(0.06 * std::cos(angle), 0.06 * std::sin(angle), 0), middle(middle_m, middle_m, 0.035);
+    const Eigen::Vector3d half(0.06 * std::cos(angle), 0.06 * std::sin(angle), 0),
+        middle(middle_m, middle_m, 0.035);
     const HeightMap after = Apply(bed, Polyline({middle - half, middle + half}));
     HeightMap back = bed;
     for (int row = 0; row < 160; ++row) {
       for (int column = 0; column < 160; ++column) {
         const double u = (column + 0.5) * cell_m - middle_m, v = (row + 0.5) * cell_m - middle_m;
-        back.At(row, column) = static_cast<float>(
-            HeightAt(after, middle_m + u * std::cos(angle) - v * std::sin(angle),
-                     middle_m + u * std::sin(angle) + v * std::cos(angle)));
+        back.At(row, column) =
+            static_cast<float>(HeightAt(after, middle_m + u * std::cos(angle) - v * std::sin(angle),
+                                        middle_m + u * std::sin(angle) + v * std::cos(angle)));
       }
     }
     return back;
@@ -170,7 +174,8 @@ TEST(Operations, FloatAndSuperStepsAgreeWithPlainDoubles) {
   HeightMap rough(40, 50, 0.005);
   for (int row = 0; row < 40; ++row) {
     for (int column = 0; column < 50; ++column)
-      rough.At(row, column) = static_cast<float>(0.05 + 0.02 * std::sin(0.9 * column) * std::cos(0.5 * row + 0.3 * column));
+      rough.At(row, column) = static_cast<float>(0.05 + 0.02 * std::sin(0.9 * column) *
+                                                            std::cos(0.5 * row + 0.3 * column));
   }
   HeightMap fast = rough;
   RelaxToRepose(fast, 33);

@@ -16,7 +16,8 @@ namespace {
 const double kTan = std::tan(33 * std::numbers::pi / 180);
 constexpr double kAtRest = 1.0065;  // untouched sand holds 0.5 % more; the tolerance is 0.1 %
 
-HeightMap Make(int rows, int columns, double cell_m, const std::function<double(int, int)>& height_m) {
+HeightMap Make(int rows, int columns, double cell_m,
+               const std::function<double(int, int)>& height_m) {
   HeightMap map(rows, columns, cell_m);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column)
@@ -40,8 +41,10 @@ std::vector<std::pair<std::string, HeightMap>> WildTerrains(double cell_m, int r
   const auto make = [&](const std::function<double(int, int)>& height_m) {
     return Make(rows, columns, cell_m, height_m);
   };
-  return {{"spike", make([&](int r, int c) { return r == rows / 2 && c == columns / 2 ? 0.13 : 0.03; })},
-          {"spike on the floor", make([&](int r, int c) { return r == rows / 2 && c == columns / 2 ? 0.1 : 0; })},
+  return {{"spike",
+           make([&](int r, int c) { return r == rows / 2 && c == columns / 2 ? 0.13 : 0.03; })},
+          {"spike on the floor",
+           make([&](int r, int c) { return r == rows / 2 && c == columns / 2 ? 0.1 : 0; })},
           {"cliff at a wall", make([&](int, int c) { return c < 2 ? 0.12 : 0.02; })},
           {"corner column", make([&](int r, int c) { return r == 0 && c == 0 ? 0.2 : 0.02; })},
           {"ridges", make([&](int, int c) { return c % 4 == 0 ? 0.06 : 0.02; })},
@@ -65,15 +68,17 @@ TEST(HeightfieldStability, StrokesThroughWildTerrains) {
     HeightfieldConfig config;
     config.substep_cells = substep_cells;
     for (const auto& [name, terrain] : WildTerrains(0.005, 40, 50)) {
-      for (const Stroke& stroke : {Line(0.03, 0.1, 0.22, 0.1, 0, 0), Line(0.2, 0.02, 0.05, 0.18, 0.01, 0.06),
-                                   Line(-0.1, 0.1, 0.35, 0.1, 0.02, -0.05)})
+      for (const Stroke& stroke :
+           {Line(0.03, 0.1, 0.22, 0.1, 0, 0), Line(0.2, 0.02, 0.05, 0.18, 0.01, 0.06),
+            Line(-0.1, 0.1, 0.35, 0.1, 0.02, -0.05)})
         ExpectSane(terrain, Apply(terrain, stroke, config), name);
     }
   }
 }
 
 TEST(HeightfieldStability, ABladeThroughACliff) {
-  const HeightMap cliff = Make(60, 60, 0.005, [](int, int column) { return column < 30 ? 0.02 : 0.12; });
+  const HeightMap cliff =
+      Make(60, 60, 0.005, [](int, int column) { return column < 30 ? 0.02 : 0.12; });
   const HeightMap after = Apply(cliff, Line(0.05, 0.15, 0.25, 0.15, 0.01, 0.01));
   ExpectSane(cliff, after, "cliff");
   EXPECT_LT(*std::ranges::max_element(after.height_m), 0.2);
@@ -83,13 +88,16 @@ TEST(HeightfieldStability, DeepCutsReachTheFloorAndNoFurther) {
   const HeightMap bed(60, 60, 0.005, 0.04f);
   const HeightMap after = Apply(bed, Line(0.08, 0.15, 0.22, 0.15, 0, 0));
   ExpectSane(bed, after, "to the floor");
-  EXPECT_LT(HeightAt(after, 0.15, 0.15), 0.017);  // the flanks slump into a cut that is deeper than wide
+  EXPECT_LT(HeightAt(after, 0.15, 0.15),
+            0.017);  // the flanks slump into a cut that is deeper than wide
   EXPECT_LT(SteepestFace(after), kTan * kAtRest);
 }
 
 TEST(HeightfieldStability, NarrowAndSmallMaps) {
-  for (const auto& [rows, columns] : {std::pair(1, 60), {60, 1}, {1, 2}, {2, 1}, {2, 2}, {3, 200}}) {
-    const HeightMap bed = Make(rows, columns, 0.005, [](int r, int c) { return 0.03 + 0.02 * ((r + c) % 3); });
+  for (const auto& [rows, columns] :
+       {std::pair(1, 60), {60, 1}, {1, 2}, {2, 1}, {2, 2}, {3, 200}}) {
+    const HeightMap bed =
+        Make(rows, columns, 0.005, [](int r, int c) { return 0.03 + 0.02 * ((r + c) % 3); });
     const double x = bed.width_m(), y = bed.depth_m();
     const std::string what = std::to_string(rows) + " x " + std::to_string(columns);
     ExpectSane(bed, Apply(bed, Line(0.1 * x, 0.1 * y, 0.9 * x + 0.002, 0.9 * y, 0.01, 0.02)), what);
@@ -114,13 +122,16 @@ TEST(HeightfieldStability, RandomStrokesNeverBreakABed) {
     RandomStream stream(7, StreamId("stability"), static_cast<uint64_t>(bed));
     const double cell_m = bed % 3 == 0 ? 0.005 : bed % 3 == 1 ? 0.01 : 0.02;
     const int cells = static_cast<int>(std::lround(0.4 / cell_m));
-    const HeightMap start = GenerateTerrain({.amplitude_m = 0.015}, cells, cells + 10, cell_m, stream);
+    const HeightMap start =
+        GenerateTerrain({.amplitude_m = 0.015}, cells, cells + 10, cell_m, stream);
     SandState state(start);
     for (int k = 0; k < kPerBed; ++k) {
-      const Stroke stroke = DrawStroke({.floor_margin_m = 0, .deepest_m = 0.06}, state.map(), stream);
+      const Stroke stroke =
+          DrawStroke({.floor_margin_m = 0, .deepest_m = 0.06}, state.map(), stream);
       const HeightMap before = state.map();
       model.Apply(std::span(&state, 1), std::span(&stroke, 1));
-      ExpectSane(before, state.map(), "bed " + std::to_string(bed) + " stroke " + std::to_string(k));
+      ExpectSane(before, state.map(),
+                 "bed " + std::to_string(bed) + " stroke " + std::to_string(k));
       EXPECT_LT(SteepestFace(state.map()), kTan * kAtRest) << bed << " " << k;
     }
   }

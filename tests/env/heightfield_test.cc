@@ -22,7 +22,8 @@ HeightMap Hills(int rows = 60, int columns = 60, double cell = 0.005) {
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const double x = (column + 0.5) * cell, y = (row + 0.5) * cell;
-      map.At(row, column) = static_cast<float>(0.05 + 0.008 * std::sin(31 * x + 1) * std::cos(23 * y + 9 * x));
+      map.At(row, column) =
+          static_cast<float>(0.05 + 0.008 * std::sin(31 * x + 1) * std::cos(23 * y + 9 * x));
     }
   }
   return map;
@@ -54,14 +55,15 @@ Result RunStroke(const HeightMap& map, const Stroke& stroke, const HeightfieldCo
 
 double Largest(const HeightMap& a, const HeightMap& b) {
   double most = 0;
-  for (size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(double{a.height_m[i]} - b.height_m[i]));
+  for (size_t i = 0; i < a.size(); ++i)
+    most = std::max(most, std::abs(double{a.height_m[i]} - b.height_m[i]));
   return most;
 }
 
 TEST(Heightfield, MovesSandForwardAndLeavesRestingSlopes) {
   const HeightMap before = Bed();
   const auto [after, outcome] = RunStroke(before, Line(0.08, 0.15, 0.20, 0.15, 0.03, 0.03));
-  EXPECT_LT(HeightAt(after, 0.13, 0.15), 0.04);  // trench
+  EXPECT_LT(HeightAt(after, 0.13, 0.15), 0.04);    // trench
   EXPECT_GT(HeightAt(after, 0.225, 0.15), 0.055);  // heap
   EXPECT_FALSE(outcome.limited());
   EXPECT_GT(outcome.moved_volume_m3, 5e-5);
@@ -70,7 +72,8 @@ TEST(Heightfield, MovesSandForwardAndLeavesRestingSlopes) {
     for (int column = 1; column + 1 < 60; ++column) {
       // Not quite the slope at a face that the model limits, hence 2 %.
       const double slope = std::hypot(after.At(row, column + 1) - after.At(row, column - 1),
-                                      after.At(row + 1, column) - after.At(row - 1, column)) / 0.01;
+                                      after.At(row + 1, column) - after.At(row - 1, column)) /
+                           0.01;
       EXPECT_LT(slope, std::tan(33 * pi / 180) * 1.02);
     }
   }
@@ -130,7 +133,8 @@ TEST(Heightfield, ABladeAsWideAsTheBoxLeavesAFloorAtItsEdge) {
     const HeightMap after =
         RunStroke(Bed(rows, 2 * rows, cell), Line(0.08, 0.1, 0.3, 0.1, 0.035, 0.035), config).map;
     for (double x = 0.11; x < 0.22; x += cell) {
-      for (double y = cell / 2; y < 0.2; y += cell) EXPECT_NEAR(HeightAt(after, x, y), 0.035, 1e-5) << cell << " " << x;
+      for (double y = cell / 2; y < 0.2; y += cell)
+        EXPECT_NEAR(HeightAt(after, x, y), 0.035, 1e-5) << cell << " " << x;
     }
   }
 }
@@ -177,7 +181,8 @@ TEST(Heightfield, DoesNotDependOnHowThePathWasSampled) {
   const Heightfield model;
   std::vector<SandState> states(2, SandState(Hills()));
   const Stroke stroke{{{0.08, 0.1, 0.035}, {0.16, 0.1, 0.03}, {0.2, 0.2, 0.04}}, 1, 0.1};
-  const std::vector<ToolPath> paths = {SamplePath(stroke, 0.0005, 0.01), SamplePath(stroke, 0.004, 0.1)};
+  const std::vector<ToolPath> paths = {SamplePath(stroke, 0.0005, 0.01),
+                                       SamplePath(stroke, 0.004, 0.1)};
   model.Apply(states, paths);
   EXPECT_LT(Largest(states[0].map(), states[1].map()), 1e-6);
 }
@@ -217,9 +222,11 @@ TEST(Heightfield, WorksOnAnyGrid) {
   const HeightMap fine = RunStroke(Bed(120, 120, 0.0025), stroke).map;
   for (const double cell : {0.005, 0.01}) {
     const int count = static_cast<int>(std::lround(0.3 / cell));
-    const HeightMap coarse = RunStroke(Bed(count, count, cell), stroke).map, reference = Resample(fine, cell);
+    const HeightMap coarse = RunStroke(Bed(count, count, cell), stroke).map,
+                    reference = Resample(fine, cell);
     double sum = 0;
-    for (size_t i = 0; i < coarse.size(); ++i) sum += std::pow(coarse.height_m[i] - reference.height_m[i], 2);
+    for (size_t i = 0; i < coarse.size(); ++i)
+      sum += std::pow(coarse.height_m[i] - reference.height_m[i], 2);
     // First order in the cell: the blade is 5 cells wide at 10 mm.
     EXPECT_LT(std::sqrt(sum / static_cast<double>(coarse.size())), 0.2 * cell) << cell;
   }
@@ -230,7 +237,8 @@ TEST(Heightfield, WorksOnAnyGrid) {
 
 TEST(Heightfield, SameBytesForAnyThreadCountAndBatchOrder) {
   std::vector<Stroke> strokes;
-  for (int i = 0; i < 8; ++i) strokes.push_back(Line(0.1 + 0.01 * i, 0.1, 0.2, 0.2 - 0.01 * i, 0.03, 0.04));
+  for (int i = 0; i < 8; ++i)
+    strokes.push_back(Line(0.1 + 0.01 * i, 0.1, 0.2, 0.2 - 0.01 * i, 0.03, 0.04));
   HeightfieldConfig config;
   std::vector<SandState> one(8, SandState(Hills())), four = one, reversed = one;
   Heightfield(config).Apply(one, strokes);
@@ -249,9 +257,11 @@ TEST(Heightfield, BadInputThrowsBeforeAnythingChanges) {
   const HeightMap good = Bed();
   HeightMap bad = good;
   bad.At(3, 4) = std::numeric_limits<float>::quiet_NaN();
-  const auto expect_error = [&](const HeightMap& second, const ToolPath& path, const std::string& message) {
+  const auto expect_error = [&](const HeightMap& second, const ToolPath& path,
+                                const std::string& message) {
     std::vector<SandState> states = {SandState(good), SandState(second)};
-    const std::vector<ToolPath> paths = {SamplePath(Line(0.1, 0.1, 0.2, 0.1, 0.03, 0.03), 0.002), path};
+    const std::vector<ToolPath> paths = {SamplePath(Line(0.1, 0.1, 0.2, 0.1, 0.03, 0.03), 0.002),
+                                         path};
     try {
       model.Apply(states, paths);
       FAIL() << message;

@@ -22,7 +22,8 @@ inline HeightMap ReferenceRelax(const HeightMap& map, double tan_angle) {
     const auto face = [&](int row, int column, int dr, int dc) {
       const auto across = [&](int r, int c) { return at(r + dc, c + dr) - at(r - dc, c - dr); };
       const double along = at(row + dr, column + dc) - at(row, column);
-      const double slope = std::hypot(along, (across(row, column) + across(row + dr, column + dc)) / 4);
+      const double slope =
+          std::hypot(along, (across(row, column) + across(row + dr, column + dc)) / 4);
       steepest = std::max(steepest, std::abs(along) > 0.05 * rise_m ? slope / rise_m : 0);
       const double flux = slope > rise_m ? 0.2 * along * (1 - rise_m / slope) : 0;
       change[map.Index(row, column)] += flux;
@@ -37,7 +38,8 @@ inline HeightMap ReferenceRelax(const HeightMap& map, double tan_angle) {
     for (size_t i = 0; i < h.size(); ++i) h[i] += change[i];
   }
   HeightMap relaxed = map;
-  std::ranges::transform(h, relaxed.height_m.begin(), [](double v) { return static_cast<float>(v); });
+  std::ranges::transform(h, relaxed.height_m.begin(),
+                         [](double v) { return static_cast<float>(v); });
   return relaxed;
 }
 
