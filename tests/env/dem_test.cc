@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "data/base/process.h"
+#include "tests/support/sand_checks.h"
 
 namespace sandwright {
 namespace {
@@ -50,13 +51,6 @@ Stroke Line(double x0, double x1, double y, double z) { return {{{x0, y, z}, {x1
 
 bool Same(const Grain& a, const Grain& b) {
   return a.x_m == b.x_m && a.y_m == b.y_m && a.z_m == b.z_m && a.radius_m == b.radius_m;
-}
-
-double RmsDifference(const HeightMap& a, const HeightMap& b) {
-  double squared = 0;
-  for (size_t i = 0; i < a.size(); ++i)
-    squared += std::pow(double{a.height_m[i]} - b.height_m[i], 2);
-  return std::sqrt(squared / static_cast<double>(a.size()));
 }
 
 ToolPath Cut(double x0, double x1) { return SamplePath(Line(x0, x1, 0.04, 0.027), 0.002); }

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "tests/support/sand_checks.h"
+
 namespace sandwright {
 namespace {
 
@@ -33,12 +35,6 @@ Stroke Line(double x0, double y0, double x1, double y1, double z0, double z1) {
   return {{{x0, y0, z0}, {x1, y1, z1}}, 1, 0.1};
 }
 
-double Volume(const HeightMap& map) {
-  double sum = 0;
-  for (float h : map.height_m) sum += h;
-  return sum * map.cell_size_m * map.cell_size_m;
-}
-
 struct Result {
   HeightMap map;
   Outcome outcome;
@@ -51,13 +47,6 @@ Result RunStroke(const HeightMap& map, const Stroke& stroke, const HeightfieldCo
   EXPECT_NEAR(Volume(states[0].map()) / Volume(map), 1, 1e-6);
   EXPECT_GE(*std::ranges::min_element(states[0].map().height_m), 0);
   return {states[0].map(), outcomes[0]};
-}
-
-double Largest(const HeightMap& a, const HeightMap& b) {
-  double most = 0;
-  for (size_t i = 0; i < a.size(); ++i)
-    most = std::max(most, std::abs(double{a.height_m[i]} - b.height_m[i]));
-  return most;
 }
 
 TEST(Heightfield, MovesSandForwardAndLeavesRestingSlopes) {
@@ -184,7 +173,7 @@ TEST(Heightfield, DoesNotDependOnHowThePathWasSampled) {
   const std::vector<ToolPath> paths = {SamplePath(stroke, 0.0005, 0.01),
                                        SamplePath(stroke, 0.004, 0.1)};
   model.Apply(states, paths);
-  EXPECT_LT(Largest(states[0].map(), states[1].map()), 1e-6);
+  EXPECT_LT(LargestDifference(states[0].map(), states[1].map()), 1e-6);
 }
 
 TEST(Heightfield, RepeatingAStrokeMovesLess) {
