@@ -41,10 +41,9 @@ DemScene SceneAround(const GrainBed& bed, const ToolPath& path, const DemConfig&
   DemScene scene;
   const double extent_m[2] = {bed.width_m, bed.depth_m};
   for (int axis = 0; axis < 2; ++axis) {
-    const auto [low, high] = std::ranges::minmax(
-        path, {}, [axis](const BladePose& p) { return axis == 0 ? p.x_m : p.y_m; });
-    const double reach_m = config.reach_m + shell_m;
     const auto at = [axis](const BladePose& p) { return axis == 0 ? p.x_m : p.y_m; };
+    const auto [low, high] = std::ranges::minmax(path, {}, at);
+    const double reach_m = config.reach_m + shell_m;
     scene.wall_low[axis] = at(low) - reach_m <= 0;
     scene.wall_high[axis] = at(high) + reach_m >= extent_m[axis];
     scene.low_m[axis] = std::max(0.0, at(low) - reach_m);
