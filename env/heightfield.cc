@@ -63,7 +63,7 @@ Outcome Heightfield::ApplyOne(SandState& state, const ToolPath& path) const {
   const bool floor_known = map.datum == Datum::kFloor;
   const double floor_m = floor_known ? 0 : -std::numeric_limits<double>::infinity();
   BladeCut blade(map, config_.blade, config_.cut, floor_m);
-  Avalanche avalanche(map);
+  Avalanche avalanche(state.map(), map);
   const double repose_tan = TanDegrees(config_.repose_deg);
   avalanche.Disturb(blade.Plunge(poses.front()));
   for (size_t k = 1; k < poses.size(); ++k) {

@@ -9,8 +9,8 @@ namespace sandwright {
 
 struct HeightfieldConfig {
   double repose_deg = 33;
-  double relaxation_m = 0.07;
-  double substep_cells = 0.5;
+  double relaxation_m = 0.05;
+  double substep_cells = 1;
   int64_t threads = 1;
   CutLaw cut;
   Blade blade;
