@@ -18,11 +18,11 @@ constexpr double kPlainStep = 0.24;
 // Longer Legendre sums are faster and distort what is steep, and what comes to rest stays distorted. So at
 // rest they are the shorter the steeper the slopes are, over the critical one; steeper still, plain steps
 // (tests/support/reference_avalanche.h).
-constexpr int kFlowStages = 7, kGentleStages = 9, kSettleStages = 5;
+constexpr int kFlowStages = 8, kGentleStages = 9, kSettleStages = 5;
 constexpr double kGentleBelow = 1.05, kPlainAbove = 1.14;
 constexpr double Reach(int stages) { return kPlainStep * stages * (stages + 1) / 2; }
-// Share by which a slope must pass the angle to count as still flowing: while the blade moves, and at rest.
-constexpr double kFlowTolerance = 0.01, kRestTolerance = 1e-3;
+// Share by which a slope must pass the angle to count as still flowing.
+constexpr double kTolerance = 1e-3;
 // Above the rounding of slopes in float, so that a slope exactly at the angle does not creep.
 constexpr double kRoundingSlack = 2e-5;
 // Change of a firm cell, as a share of the critical rise, that makes it loose.
@@ -34,7 +34,8 @@ float LowestIn(const std::vector<float>& heights) {
 
 }  // namespace
 
-Avalanche::Avalanche(const HeightMap& before, HeightMap& map) : map_(map), firm_(before) {
+Avalanche::Avalanche(const HeightMap& before, HeightMap& map, double firmness)
+    : map_(map), firm_(before, firmness) {
   SAND_CHECK(before.SameGrid(map));
 }
 
@@ -99,12 +100,12 @@ void Avalanche::Load(std::span<const CellFace> closed, double rise_m) {
 
 // Finds what is steep (`active_`) and what may move with it. Returns the steepest slope over the critical one,
 // squared.
-float Avalanche::FindMoving(double rise_m, double tolerance) {
+float Avalanche::FindMoving(double rise_m) {
   const AvalancheWindow window = Window(rise_m);
   out_.resize(start_.size());
   const float steepest = FeltSlopes(window, start_.data(), out_.data());
   const auto square = [](double x) { return static_cast<float>(x * x); };
-  const float limit = square(rise_m * (1 + tolerance));
+  const float limit = square(rise_m * (1 + kTolerance));
   active_ = {};
   if (steepest > limit) {
     sandwright::FindMoving(window, out_.data(), limit, near_.data(), moving_.data(), spans_.data());
@@ -207,7 +208,7 @@ void Avalanche::Flow(double tan_angle, double amount, std::span<const CellFace> 
   if (active_.empty()) return;
   const double rise_m = tan_angle * map_.cell_size_m;
   Load(closed, rise_m);
-  FindMoving(rise_m, kFlowTolerance);
+  FindMoving(rise_m);
   if (active_.empty()) return;
   Advance(rise_m * (1 + kRoundingSlack), amount);
   Store(rise_m);
@@ -218,7 +219,7 @@ void Avalanche::Settle(double tan_angle) {
   active_ = touched_;
   for (bool everywhere = true; !active_.empty();) {
     Load({}, rise_m);
-    const float steepest = FindMoving(rise_m, kRestTolerance);
+    const float steepest = FindMoving(rise_m);
     if (active_.empty()) {
       if (everywhere) return;
       active_ = touched_;  // faces at the edge of a window go unseen while it moves
@@ -243,7 +244,7 @@ void RelaxToRepose(HeightMap& map, double repose_deg) {
   std::vector<size_t> all(map.size());
   std::iota(all.begin(), all.end(), size_t{0});
   const HeightMap before = map;
-  Avalanche avalanche(before, map);
+  Avalanche avalanche(before, map, 1);
   avalanche.Disturb(all);
   avalanche.Settle(std::tan(repose_deg * std::numbers::pi / 180));
 }

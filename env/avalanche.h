@@ -27,8 +27,9 @@ struct CellFace {
 // below the lower of the floor and the lowest cell of its window. Not for several threads at once.
 class Avalanche {
  public:
-  // `map` moves; its sand lies firm where it is as in `before`, the same grid. Both must outlive the object.
-  Avalanche(const HeightMap& before, HeightMap& map);
+  // `map` moves; its sand is firm where it is as in `before`, the same grid, and then holds slopes `firmness`
+  // (>= 1) times as steep as loose sand does, or as steep as it lay. Both maps must outlive the object.
+  Avalanche(const HeightMap& before, HeightMap& map, double firmness);
 
   // Makes the sand of these cells (indices into height_m) loose.
   void Disturb(std::span<const size_t> cells);
@@ -46,7 +47,7 @@ class Avalanche {
  private:
   AvalancheWindow Window(double rise_m);
   void Load(std::span<const CellFace> closed, double rise_m);
-  float FindMoving(double rise_m, double tolerance);
+  float FindMoving(double rise_m);
   void Store(double rise_m);
   void Advance(double rise_m, double amount);
   void PlainSteps(double rise_m, double amount);

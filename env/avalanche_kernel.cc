@@ -221,12 +221,12 @@ SAND_WIDE void RowSlopes(const float* below, const float* row, const float* abov
 }
 
 SAND_WIDE void RowResistance(const float* slope_x, const float* slope_y, const uint8_t* loose,
-                             const uint8_t* loose_above, int count, float rise_m, float* resist_x,
-                             float* resist_y) {
-  const float per_rise = 1 / rise_m;
+                             const uint8_t* loose_above, int count, float firmness, float rise_m,
+                             float* resist_x, float* resist_y) {
+  const float per_rise = 1 / rise_m, least = kFirmer * firmness;
   for (int i = 0; i < WholeLanes(count); ++i) {
-    const float firm_x = std::max(kFirmer, slope_x[i] * per_rise);
-    const float firm_y = std::max(kFirmer, slope_y[i] * per_rise);
+    const float firm_x = std::max(least, slope_x[i] * per_rise);
+    const float firm_y = std::max(least, slope_y[i] * per_rise);
     resist_x[i] = (loose[i] | loose[i + 1]) ? 1.0f : firm_x;
     resist_y[i] = (loose[i] | loose_above[i]) ? 1.0f : firm_y;
   }

@@ -61,10 +61,10 @@ void RowSlopes(const float* below, const float* row, const float* above, int col
                CellSpan cells, float* slope_x, float* slope_y);
 
 // What the faces of a row resist: 1 where a cell beside is loose, else the slope at which they lay, and at
-// least a little more than 1. `loose_above`: the next row's.
+// least a little more than `firmness`. `loose_above`: the next row's.
 void RowResistance(const float* slope_x, const float* slope_y, const uint8_t* loose,
-                   const uint8_t* loose_above, int count, float rise_m, float* resist_x,
-                   float* resist_y);
+                   const uint8_t* loose_above, int count, float firmness, float rise_m,
+                   float* resist_x, float* resist_y);
 
 // Smallest of `count` > 0 heights.
 float LowestHeight(const float* heights, int count);

@@ -13,9 +13,9 @@ namespace sandwright {
 
 // How sand fails at a blade. The defaults are fitted to strokes through 6 mm grains (docs/sand.md).
 struct CutLaw {
-  double rupture_ratio = 1.8;  // kappa; theory: 1.8 to 3.5 at 33 degrees, smooth to rough blade
-  double spread = 0.68;
-  double bite_m = 0.02;
+  double rupture_ratio = 1.6;  // kappa; theory: 1.8 to 3.5 at 33 degrees, smooth to rough blade
+  double spread = 0.62;
+  double bite_m = 0.0195;
 
   void Fields(FieldList& f) {
     f.Add("rupture_ratio", rupture_ratio,

@@ -6,8 +6,9 @@
 
 namespace sandwright {
 
-FirmSand::FirmSand(const HeightMap& before)
+FirmSand::FirmSand(const HeightMap& before, double firmness)
     : before_(before),
+      firmness_(firmness),
       loose_(before.size() + kLanes + 1, 0),  // the last cells have next ones
       slope_x_(std::make_unique_for_overwrite<float[]>(before.size() + kLanes)),
       slope_y_(std::make_unique_for_overwrite<float[]>(before.size() + kLanes)) {}
@@ -40,7 +41,8 @@ void FirmSand::Resist(const CellRect& window, double rise_m, int stride,
     const size_t above = before_.Index(std::min(row + 1, before_.rows - 1), window.column0);
     const auto to = static_cast<size_t>((row - window.row0 + 1) * stride + 1);
     RowResistance(&slope_x_[from], &slope_y_[from], &loose_[from], &loose_[above], window.columns(),
-                  static_cast<float>(rise_m), &resist_x[to], &resist_y[to]);
+                  static_cast<float>(firmness_), static_cast<float>(rise_m), &resist_x[to],
+                  &resist_y[to]);
   }
 }
 

@@ -12,8 +12,9 @@ namespace sandwright {
 
 class FirmSand {
  public:
-  // All sand of `before` is firm. `before` must outlive the object.
-  explicit FirmSand(const HeightMap& before);
+  // All sand of `before` is firm, and holds at least `firmness` times the slope of loose sand. `before` must
+  // outlive the object.
+  FirmSand(const HeightMap& before, double firmness);
 
   const HeightMap& before() const { return before_; }
   // One cell: 1 = loose, 0 = firm (index into height_m).
@@ -28,6 +29,7 @@ class FirmSand {
   void FindSlopes(const CellRect& rect);
 
   const HeightMap& before_;
+  double firmness_;
   std::vector<uint8_t> loose_;
   // [map] rise over a cell of its face towards the next column and the next row [m]; good inside `known_`,
   // which grows with what moves: a large box costs no more than a small one.

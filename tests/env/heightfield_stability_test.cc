@@ -86,7 +86,9 @@ TEST(HeightfieldStability, ABladeThroughACliff) {
 
 TEST(HeightfieldStability, DeepCutsReachTheFloorAndNoFurther) {
   const HeightMap bed(60, 60, 0.005, 0.04f);
-  const HeightMap after = Apply(bed, Line(0.08, 0.15, 0.22, 0.15, 0, 0));
+  HeightfieldConfig config;
+  config.loose_deg = config.repose_deg;
+  const HeightMap after = Apply(bed, Line(0.08, 0.15, 0.22, 0.15, 0, 0), config);
   ExpectSane(bed, after, "to the floor");
   EXPECT_LT(HeightAt(after, 0.15, 0.15),
             0.017);  // the flanks slump into a cut that is deeper than wide

@@ -109,6 +109,7 @@ TEST(Heightfield, ABladeAsWideAsTheBoxLeavesAFloorAtItsEdge) {
   HeightfieldConfig config;
   config.blade.width_m = 0.2;
   config.cut.bite_m = 0;
+  config.loose_deg = config.repose_deg;
   for (const double cell : {0.01, 0.005, 0.0025}) {
     const int rows = static_cast<int>(std::lround(0.2 / cell));
     const HeightMap after =
