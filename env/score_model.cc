@@ -59,7 +59,11 @@ class Scorer {
     if (file.strokes.empty()) throw Error(path.string() + ": the file holds no stroke");
     for (size_t i = 0; i < file.strokes.size(); ++i) {
       if (Stopped()) return;
-      ScoreRecord(path, file.strokes[i], static_cast<int>(i));
+      try {
+        ScoreRecord(path, file.strokes[i], static_cast<int>(i));
+      } catch (const Error& error) {  // a run of grains ends at once
+        if (error.kind() != ErrorKind::kInterrupted) throw;
+      }
     }
     AddReplicates(path, file);
     if (config_.rollout) RollOut(file);
