@@ -207,8 +207,8 @@ void ReadLoads(const GrainMaterial& m, const std::filesystem::path& file, int64_
     int64_t step;
     double x, y, z;
     if (words >> step >> x >> y >> z)
-      report.blade_loads.push_back({static_cast<double>(step - first_step) * m.time_step_s(),
-                                    -Eigen::Vector3d(x, y, z)});
+      report.blade_loads.push_back(
+          {static_cast<double>(step - first_step) * m.time_step_s(), -Eigen::Vector3d(x, y, z)});
   }
 }
 

@@ -40,9 +40,9 @@ struct BladeLoad {
 struct DemReport {
   int64_t grains_moving = 0, grains_lost = 0;
   double simulated_s = 0, wall_s = 0;
-  double deepest_overlap = 0;  // largest contact force over stiffness and mean diameter [1]
-  double fastest_mps = 0;      // of any grain at any sample
-  double rest_speed_mps = 0;   // rms over the grains at the end
+  double deepest_overlap = 0;          // largest contact force over stiffness and mean diameter [1]
+  double fastest_mps = 0;              // of any grain at any sample
+  double rest_speed_mps = 0;           // rms over the grains at the end
   std::vector<DemSample> samples;      // every 20 ms from the start of the motion on
   std::vector<BladeLoad> blade_loads;  // while there is a blade; time 0 is its first move
 };
