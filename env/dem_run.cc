@@ -104,15 +104,17 @@ std::string LoadContacts(const GrainMaterial& m) {
          Contacts(m);
 }
 
-// Waits in slices until the grains are at rest, at most `seconds`.
+// Waits in slices until the grains are at rest, at most `seconds`. Slices follow each other without a
+// set-up: that would drop lost grains and keep the list of pairs that names them, where LAMMPS stops.
 std::string ComeToRest(const GrainMaterial& m, double seconds) {
   constexpr double kSlice_s = 0.04;
+  const int64_t steps = std::llround(kSlice_s / m.time_step_s());
   return fmt::format(
-      "variable slice loop {}\nlabel wait\nrun {} post no\n"
-      "if \"$(v_rms) < {}\" then \"jump SELF rested\"\nnext slice\njump SELF wait\nlabel rested\n"
+      "run {0} post no\nvariable slice loop {1}\nlabel wait\n"
+      "if \"$(v_rms) < {2}\" then \"jump SELF rested\"\n"
+      "run {0} pre no post no\nnext slice\njump SELF wait\nlabel rested\n"
       "write_dump all custom rest.txt id x y z modify sort id format float %.17g\n",
-      std::max<int64_t>(1, std::llround(seconds / kSlice_s)),
-      std::llround(kSlice_s / m.time_step_s()), kRest_mps);
+      steps, std::max<int64_t>(1, std::llround(seconds / kSlice_s) - 1), kRest_mps);
 }
 
 // The blade as a block that moves by variables of the step: exact contact, and its own velocity counts.
