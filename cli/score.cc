@@ -18,7 +18,7 @@ std::string Text(const nlohmann::json& number, int decimals) {
 class ScoreCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--model", model_, "heightfield, none, default, or a .safetensors file")
+    app.add_option("--model", model_, "heightfield, dem (grains), none, default, or a .safetensors file")
         ->required();
     app.add_option("--data", data_, "stroke files or folders")->required();
     app.add_option("--cell-size", score_.cell_size_m, "cells that errors are taken on [m]")

@@ -35,7 +35,7 @@ struct ScoreReport {
   double cell_size_m = 0, model_cell_size_m = 0;
   double floor_mm = 0;
   std::string floor_source;  // "given", "replicates", "none in the data"
-  double ms_per_stroke = 0;  // one stroke at a time, from height map and path to height map
+  double ms_per_stroke = 0;  // one stroke at a time, from bed and path to height map
   std::vector<StrokeScore> strokes;
   bool stopped = false;                   // by Ctrl-C, before the last stroke
   std::map<int, double> accrued_rmse_mm;  // with rollout: see ScoreModel
