@@ -28,7 +28,10 @@ FitSample MakeSample(const StrokeRecord& record, const Heightfield& heightfield,
   const HeightMap& predicted = state.front().map();
 
   FitSample sample{
-      name, EncodeStroke(before, predicted, record.path, blade, model.net.multiple()), {}, {}};
+      name,
+      EncodeStroke(before, predicted, record.path, blade, model.net.multiple(), model.reach_m),
+      {},
+      {}};
   const CellRect& window = sample.input.window;
   if (window.empty()) throw Error(name + ": the path lies outside the box");
   sample.target.assign(static_cast<size_t>(sample.input.rows * sample.input.columns), 0.0f);
@@ -78,12 +81,14 @@ FitSample ApplySymmetry(const FitSample& sample, int symmetry) {
   const int rows = sample.input.rows, columns = sample.input.columns;
   FitSample out = sample;
   if (swap) std::swap(out.input.rows, out.input.columns);
+  const auto turned = [&](int row, int column) {  // where a cell goes
+    const int j = mirror_y ? rows - 1 - row : row, i = mirror_x ? columns - 1 - column : column;
+    return static_cast<size_t>(swap ? i * rows + j : j * columns + i);
+  };
   const auto turn = [&](const float* from, float* to, float sign) {
     for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        const int j = mirror_y ? rows - 1 - row : row, i = mirror_x ? columns - 1 - column : column;
-        to[swap ? i * rows + j : j * columns + i] = sign * from[row * columns + column];
-      }
+      for (int column = 0; column < columns; ++column)
+        to[turned(row, column)] = sign * from[row * columns + column];
     }
   };
   const auto plane = static_cast<size_t>(rows * columns);
@@ -97,6 +102,11 @@ FitSample ApplySymmetry(const FitSample& sample, int symmetry) {
   }
   turn(sample.target.data(), out.target.data(), 1);
   turn(sample.weight.data(), out.weight.data(), 1);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column)
+      out.input.active[turned(row, column)] =
+          sample.input.active[static_cast<size_t>(row * columns + column)];
+  }
   return out;
 }
 

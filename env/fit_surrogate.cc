@@ -24,7 +24,9 @@ class TrainingNet {
  public:
   // He's initialisation; the head starts at zero, so that training starts from the heightfield.
   TrainingNet(const SurrogateNetConfig& config, RandomStream stream)
-      : poolings_(static_cast<int>(config.poolings)), shapes_(SurrogateLayers(config)) {
+      : poolings_(static_cast<int>(config.poolings)),
+        patch_(config.patch_cells),
+        shapes_(SurrogateLayers(config)) {
     for (const ConvShape& shape : shapes_) {
       auto weight = torch::zeros({shape.out, shape.in, shape.size, shape.size});
       const double deviation =
@@ -39,30 +41,32 @@ class TrainingNet {
 
   const std::vector<torch::Tensor>& parameters() const { return parameters_; }
 
-  // [N, C, H, W] -> [N, H, W]
-  torch::Tensor Forward(const torch::Tensor& channels_nchw) const {
+  // channels [N, C, H, W], active [N, 1, H, W] of zeros and ones -> [N, H, W]
+  torch::Tensor Forward(const torch::Tensor& channels, const torch::Tensor& active) const {
     size_t next = 0;
     const auto convolve = [&](const torch::Tensor& x) {
       const size_t at = 2 * next++;
       return torch::conv2d(x, parameters_[at], parameters_[at + 1], 1,
                            (shapes_[at / 2].size - 1) / 2);
     };
-    const auto block = [&](torch::Tensor x) {
-      x = torch::relu(convolve(x));
-      return torch::relu(convolve(x));
+    const auto block = [&](torch::Tensor x, const torch::Tensor& mask) {
+      x = torch::relu(convolve(x)) * mask;
+      return torch::relu(convolve(x)) * mask;
     };
-    std::vector<torch::Tensor> skips;
-    torch::Tensor x = channels_nchw;
+    std::vector<torch::Tensor> skips, masks{torch::max_pool2d(active, patch_)};
+    torch::Tensor x = torch::pixel_unshuffle(channels, patch_) * masks[0];
     for (int level = 0; level < poolings_; ++level) {
-      skips.push_back(block(x));
+      skips.push_back(block(x, masks.back()));
+      masks.push_back(torch::max_pool2d(masks.back(), 2));
       x = torch::avg_pool2d(skips.back(), 2);
     }
-    x = block(x);
+    x = block(x, masks.back());
     for (int level = poolings_ - 1; level >= 0; --level) {
       x = x.repeat_interleave(2, 2).repeat_interleave(2, 3);
-      x = block(torch::cat({skips[static_cast<size_t>(level)], x}, 1));
+      const torch::Tensor& mask = masks[static_cast<size_t>(level)];
+      x = block(torch::cat({skips[static_cast<size_t>(level)], x * mask}, 1), mask);
     }
-    return convolve(x).squeeze(1);
+    return (torch::pixel_shuffle(convolve(x), patch_) * active).squeeze(1);
   }
 
   void Save(Safetensors& file) const {
@@ -91,12 +95,14 @@ class TrainingNet {
 
  private:
   int poolings_;
+  int64_t patch_;
   std::vector<ConvShape> shapes_;
   std::vector<torch::Tensor> parameters_;  // weight, bias of each layer
 };
 
 struct Batch {
-  torch::Tensor channels, target, weight;  // [N, C, H, W], [N, H, W], [N, H, W]
+  torch::Tensor channels, active;  // [N, C, H, W], [N, 1, H, W]
+  torch::Tensor target, weight;    // [N, H, W]
 };
 
 // Samples side by side, padded with zeros to the largest.
@@ -106,7 +112,8 @@ Batch Collate(const std::vector<FitSample>& samples) {
     rows = std::max(rows, s.input.rows), columns = std::max(columns, s.input.columns);
   const auto count = static_cast<int64_t>(samples.size());
   Batch batch{torch::zeros({count, kSurrogateChannelCount, rows, columns}),
-              torch::zeros({count, rows, columns}), torch::zeros({count, rows, columns})};
+              torch::zeros({count, 1, rows, columns}), torch::zeros({count, rows, columns}),
+              torch::zeros({count, rows, columns})};
   const auto place = [](const std::vector<float>& values, torch::Tensor to, const FitSample& s) {
     const auto from =
         torch::from_blob(const_cast<float*>(values.data()),
@@ -119,7 +126,9 @@ Batch Collate(const std::vector<FitSample>& samples) {
   };
   for (size_t i = 0; i < samples.size(); ++i) {
     const auto n = static_cast<int64_t>(i);
+    const std::vector<float> active(samples[i].input.active.begin(), samples[i].input.active.end());
     place(samples[i].input.channels, batch.channels[n], samples[i]);
+    place(active, batch.active[n], samples[i]);
     place(samples[i].target, batch.target[n], samples[i]);
     place(samples[i].weight, batch.weight[n], samples[i]);
   }
@@ -137,7 +146,7 @@ ErrorSum Evaluate(const TrainingNet& net, const std::vector<FitSample>& samples)
   ErrorSum sum;
   for (const FitSample& sample : samples) {
     const Batch batch = Collate({sample});
-    const auto error = (net.Forward(batch.channels) - batch.target) * batch.weight;
+    const auto error = (net.Forward(batch.channels, batch.active) - batch.target) * batch.weight;
     sum.squared += error.square().sum().item<double>();
     sum.cells += batch.weight.sum().item<double>();
   }
@@ -194,7 +203,7 @@ class Trainer {
   void Step(int epoch, size_t index, const std::vector<FitSample>& chosen, ErrorSum& error) {
     const Batch batch = Collate(chosen);
     optimiser_.zero_grad();
-    const auto prediction = net_.Forward(batch.channels) * batch.weight;
+    const auto prediction = net_.Forward(batch.channels, batch.active) * batch.weight;
     const auto cells = batch.weight.sum();
     const double delta = config_.huber_mm / kResidualScale_mm;
     const auto loss =

@@ -54,9 +54,10 @@ void Surrogate::Correct(const HeightMap& before, const ToolPath& path, SandState
   // A stroke that touches no sand changes none.
   if (outcome.moved_volume_m3 == 0) return;
   const SurrogateInput input =
-      EncodeStroke(before, state.map(), path, blade(), config_.net.multiple());
+      EncodeStroke(before, state.map(), path, blade(), config_.net.multiple(), config_.reach_m);
   if (input.window.empty()) return;
-  const std::vector<float> residual = net_.Forward(input.channels, input.rows, input.columns);
+  const std::vector<float> residual =
+      net_.Forward(input.channels, ActiveCells(input.rows, input.columns, input.active));
   std::vector<double> residual_m;
   for (int row = 0; row < input.window.rows(); ++row) {
     for (int column = 0; column < input.window.columns(); ++column)

@@ -13,6 +13,7 @@ namespace sandwright {
 struct SurrogateConfig {
   double cell_size_m = 0.004;   // the cells it was trained on: it works on no others
   bool conserve_volume = true;  // the net's correction adds and removes the same volume
+  double reach_m = 0;           // of the net beyond the path; 0: the whole window
   int64_t threads = 1;          // for a batch of strokes
   SurrogateNetConfig net;
   HeightfieldConfig heightfield;  // what the net was trained on top of, its blade included
@@ -21,6 +22,8 @@ struct SurrogateConfig {
     f.Add("cell_size_m", cell_size_m, "cells of the maps [m]", 0.001, 0.05);
     f.Add("conserve_volume", conserve_volume,
           "the net's correction adds and removes the same volume");
+    f.Add("reach_m", reach_m, "how far from the path the net corrects; 0: the whole window [m]", 0,
+          1);
     f.Add("threads", threads, "threads for a batch of strokes", 1, 1024);
     f.Section("net", net);
     f.Section("heightfield", heightfield);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -35,11 +36,15 @@ struct SurrogateInput {
   CellRect window;              // on the map; empty: the stroke lies outside the box
   int rows = 0, columns = 0;    // of the window, padded at its high ends
   std::vector<float> channels;  // [kSurrogateChannelCount, rows, columns]
+  std::vector<uint8_t> active;  // [rows, columns] 1 = the stroke can reach it
 };
 
 // The window of `path` on `before`, padded to multiples of `multiple` cells. `predicted` is the
-// heightfield's map after the stroke, on the same grid.
+// heightfield's map after the stroke, on the same grid. A cell is active within `reach_m` of the
+// path, its way ahead of the end (kWindowAhead_m, less the reach) with it; the channels of others
+// are zero. reach_m = 0: all cells are active, those of the padding too.
 SurrogateInput EncodeStroke(const HeightMap& before, const HeightMap& predicted,
-                            const ToolPath& path, const Blade& blade, int multiple);
+                            const ToolPath& path, const Blade& blade, int multiple,
+                            double reach_m = 0);
 
 }  // namespace sandwright

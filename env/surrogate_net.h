@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "data/base/config.h"
+#include "env/convolution.h"
 #include "env/safetensors.h"
 
 namespace sandwright {
@@ -18,26 +19,33 @@ namespace sandwright {
 //                            \ pool         upsample /
 //                             [conv      conv]
 // Every conv is 3x3, zero padded, with ReLU. The width doubles with each pooling (mean of 2 x 2);
-// upsampling repeats cells.
+// upsampling repeats cells. With patch_cells = 2 the first level works on cells twice as large: the
+// channels of 2 x 2 cells go in side by side, and the head gives one value for each of the four.
 struct SurrogateNetConfig {
   int64_t base_channels = 16;
   int64_t poolings = 2;
+  int64_t patch_cells = 1;
 
   void Fields(FieldList& f) {
-    f.Add("base_channels", base_channels, "width of the first level, a multiple of 4", 4, 128);
+    f.Add("base_channels", base_channels,
+          "width of the first level; predicting, 16 channels cost as much as fewer", 4, 128);
     f.Add("poolings", poolings, "levels below the first", 0, 4);
+    f.Add("patch_cells", patch_cells, "cells along each side that the first level takes as one", 1,
+          4);
   }
-  int multiple() const { return 1 << poolings; }  // rows and columns must be multiples of it
+  // Rows and columns must be multiples of it.
+  int multiple() const { return static_cast<int>(patch_cells) << poolings; }
 };
 
 // One convolution: parameters `name`.weight [out, in, size, size] and `name`.bias [out].
 struct ConvShape {
   std::string name;
   int in = 0, out = 0, size = 3;
+  int level = 0;  // how many poolings lie before it
 };
 
-// All of them in the order in which they run: down0a, down0b, ..., up0a, up0b, head. Error where
-// base_channels is no multiple of 4.
+// All of them in the order in which they run: down0a, down0b, ..., up0a, up0b, head. Channels of a
+// patch are in the order of torch's pixel_unshuffle and pixel_shuffle.
 std::vector<ConvShape> SurrogateLayers(const SurrogateNetConfig& config);
 
 class SurrogateNet {
@@ -48,19 +56,18 @@ class SurrogateNet {
                const std::string& source);
 
   const SurrogateNetConfig& config() const { return config_; }
-  // channels [kSurrogateChannelCount, rows, columns] -> residual [rows, columns]; rows and columns
-  // are multiples of config().multiple().
-  std::vector<float> Forward(std::span<const float> channels, int rows, int columns) const;
+  // channels [kSurrogateChannelCount, rows, columns] -> residual [rows, columns] in units of
+  // kResidualScale_m; rows and columns are those of `active` and multiples of config().multiple().
+  // A cell whose patch is not active is zero at every level, so that nothing is spent on it.
+  std::vector<float> Forward(std::span<const float> channels, const ActiveCells& active) const;
+  // Floating-point operations of Forward: two for each weight and cell that it is used on.
+  double Flops(const ActiveCells& active) const;
 
  private:
-  struct Layer {
-    ConvShape shape;
-    std::vector<float> weights;  // [out / 4][in][3 x 3][4]; the head: [in]
-    std::vector<float> bias;
-  };
+  CellFeatures PackPatches(std::span<const float> channels, const ActiveCells& active) const;
 
   SurrogateNetConfig config_;
-  std::vector<Layer> layers_;
+  std::vector<Convolution> layers_;
 };
 
 }  // namespace sandwright

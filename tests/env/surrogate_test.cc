@@ -98,13 +98,36 @@ TEST(SurrogateNet, MatchesTheFormulaOfItsConvolutions) {
     return out;
   };
   const auto hidden = layer(layer(in, kSurrogateChannelCount, "down0a"), 4, "down0b");
-  const auto residual = SurrogateNet(config, file, "test").Forward(in, rows, columns);
+  const auto residual = SurrogateNet(config, file, "test").Forward(in, ActiveCells(rows, columns));
   for (size_t i = 0; i < residual.size(); ++i) {
     double expected = 0.1f;
     for (size_t c = 0; c < 4; ++c)
       expected += file.tensors.at("head.weight").values[c] * hidden[c * residual.size() + i];
     ASSERT_NEAR(residual[i], expected, 1e-3 * (1 + std::abs(expected))) << i;
   }
+}
+
+TEST(SurrogateNet, InactiveCellsAreZeroAndChangeNothingElsewhere) {
+  SurrogateNetConfig config;
+  config.base_channels = 8;
+  config.poolings = 1;
+  config.patch_cells = 2;
+  const SurrogateNet net(config, RandomParameters(config, 0.1f), "test");
+  const int rows = 24, columns = 32;
+  RandomStream stream(3);
+  std::vector<float> in(static_cast<size_t>(kSurrogateChannelCount * rows * columns));
+  std::vector<uint8_t> mask;
+  for (int i = 0; i < rows * columns; ++i) mask.push_back(i % columns < 12);
+  for (float& v : in) v = static_cast<float>(stream.Normal());
+  const std::vector<float> left = net.Forward(in, ActiveCells(rows, columns, mask));
+  std::vector<float> changed = in;
+  for (size_t i = 0; i < in.size(); ++i) {
+    if (!mask[i % mask.size()]) changed[i] = 7;
+  }
+  EXPECT_EQ(net.Forward(changed, ActiveCells(rows, columns, mask)), left);
+  for (size_t i = 0; i < left.size(); ++i) ASSERT_EQ(left[i] == 0, mask[i] == 0) << i;
+  EXPECT_LT(net.Flops(ActiveCells(rows, columns, mask)),
+            0.5 * net.Flops(ActiveCells(rows, columns)));
 }
 
 TEST(SurrogateNet, RefusesForeignParameters) {
@@ -120,9 +143,6 @@ TEST(SurrogateNet, RefusesForeignParameters) {
   file.tensors.erase("down1a.bias");
   EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); },
               ThrowsMessage<Error>(HasSubstr("down1a.bias")));
-  SurrogateNetConfig odd;
-  odd.base_channels = 6;
-  EXPECT_THAT([&] { SurrogateLayers(odd); }, ThrowsMessage<Error>(HasSubstr("multiple of 4")));
 }
 
 TEST(Surrogate, ASilentNetIsTheHeightfield) {
@@ -214,13 +234,33 @@ TEST(Surrogate, RefusesOtherCellsAndLeavesTheStateAlone) {
               ThrowsMessage<Error>(HasSubstr("works on cells of 0.004 m")));
 }
 
+TEST(SurrogateEncoding, OnlyCellsThatTheStrokeReachesAreActive) {
+  const HeightMap bed = Bumpy(75, 75);
+  const ToolPath path = SamplePath(Stroke{{{0.1, 0.15, 0.03}, {0.15, 0.15, 0.03}}, 1, 0.1}, 0.002);
+  const SurrogateInput all = EncodeStroke(bed, bed, path, Blade{}, 4),
+                       part = EncodeStroke(bed, bed, path, Blade{}, 4, 0.05);
+  const auto at = [&](double x_m, double y_m) {
+    return static_cast<size_t>((static_cast<int>(y_m / 0.004) - part.window.row0) * part.columns +
+                               static_cast<int>(x_m / 0.004) - part.window.column0);
+  };
+  EXPECT_TRUE(part.active[at(0.12, 0.195)]);
+  EXPECT_FALSE(part.active[at(0.12, 0.205)]);
+  EXPECT_TRUE(part.active[at(0.26, 0.15)]);  // the way ahead of the end
+  EXPECT_FALSE(part.active[at(0.045, 0.15)]);
+  const size_t plane = part.active.size();
+  for (size_t i = 0; i < part.channels.size(); ++i)
+    ASSERT_EQ(part.channels[i], part.active[i % plane] ? all.channels[i] : 0) << i;
+  EXPECT_EQ(std::accumulate(all.active.begin(), all.active.end(), size_t{0}), plane);
+}
+
 TEST(SurrogateEncoding, TurnsWithTheSquare) {
+  constexpr double kReach_m = 0.06;
   const SurrogateConfig config = SmallConfig();
   const HeightMap bed = Bumpy(75, 75);
   const ToolPath path = SamplePath(Curve(), 0.002);
   std::vector<SandState> state{SandState(bed)};
   Heightfield(config.heightfield).Apply(state, std::span(&path, 1));
-  FitSample sample{"", EncodeStroke(bed, state[0].map(), path, Blade{}, 1), {}, {}};
+  FitSample sample{"", EncodeStroke(bed, state[0].map(), path, Blade{}, 1, kReach_m), {}, {}};
   sample.target.assign(static_cast<size_t>(sample.input.rows * sample.input.columns), 0);
   sample.weight = sample.target;
   const double side = bed.width_m(), pi = std::acos(-1);
@@ -242,10 +282,15 @@ TEST(SurrogateEncoding, TurnsWithTheSquare) {
       if (symmetry & 4) std::swap(p.x_m, p.y_m), p.yaw_rad = pi / 2 - p.yaw_rad;
     }
     const SurrogateInput direct =
-        EncodeStroke(turn_map(bed), turn_map(state[0].map()), turned, Blade{}, 1);
+        EncodeStroke(turn_map(bed), turn_map(state[0].map()), turned, Blade{}, 1, kReach_m);
     const SurrogateInput by_copy = ApplySymmetry(sample, symmetry).input;
     ASSERT_EQ(direct.rows, by_copy.rows);
     ASSERT_EQ(direct.columns, by_copy.columns);
+    // So may cells at the edge of the reach.
+    size_t other_reach = 0;
+    for (size_t i = 0; i < direct.active.size(); ++i)
+      other_reach += direct.active[i] != by_copy.active[i];
+    EXPECT_LT(other_reach, direct.active.size() / 1000) << "symmetry " << symmetry;
     // Cells on the edge of the blade's footprint may fall on either side by rounding.
     size_t different = 0;
     for (size_t i = 0; i < direct.channels.size(); ++i)
