@@ -19,7 +19,7 @@ struct Chart {
   std::vector<ChartSeries> series = {};
   std::optional<double> reference_y = {};  // a dashed line, e.g. a target
   std::string reference_name = {};
-  bool from_zero = true;      // the y axis starts at zero
+  bool from_zero = true;       // the y axis starts at zero
   bool logarithmic_x = false;  // powers of ten; x > 0
   int width_px = 640, height_px = 320;
 };
