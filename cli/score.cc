@@ -54,6 +54,8 @@ class ScoreCommand final : public Command {
         Text(json["r2_change"], 3).c_str(), Text(json["explained"], 3).c_str(),
         Text(json["floor_mm"], 2).c_str(), report.floor_source.c_str(),
         Text(json["volume_drift_rel"], 3).c_str(), report.ms_per_stroke);
+    if (report.strokes_failed > 0)
+      std::printf("  %d strokes left out: grains were lost in them\n", report.strokes_failed);
     for (const auto& [step, rmse_mm] : report.accrued_rmse_mm)
       std::printf("  accrued RMSE after %d strokes: %.2f mm\n", step, rmse_mm);
     if (report.paper_mae_mm)

@@ -80,7 +80,8 @@ SandBenchRow ScoreRow(const SandModel& model, const SandBench& bench, double mod
           .rmse_mm = total.rmse_mean_mm,
           .mae_mm = total.mae_mm,
           .r2_change = total.r2_change,
-          .volume_drift_rel = total.volume_drift_rel};
+          .volume_drift_rel = total.volume_drift_rel,
+          .strokes_failed = report.strokes_failed};
 }
 
 }  // namespace
@@ -100,6 +101,7 @@ nlohmann::json SandBenchRow::ToJson() const {
   add("max_cells", max_cells);
   add("r2_change", r2_change);
   add("volume_drift_rel", volume_drift_rel);
+  if (r2_change) json["strokes_failed"] = strokes_failed;
   return json;
 }
 

@@ -22,6 +22,7 @@ struct SandBenchRow {
   std::optional<double> rmse_mm = {}, mae_mm = {};              // where there is a truth
   std::optional<double> rmse_cells = {}, max_cells = {};        // of exact cases
   std::optional<double> r2_change = {}, volume_drift_rel = {};  // of recorded strokes
+  int strokes_failed = 0;                                       // of those: ScoreReport
 
   nlohmann::json ToJson() const;  // the fields that there are, by their names
 };

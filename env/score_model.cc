@@ -1,6 +1,7 @@
 #include "env/score_model.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -13,14 +14,15 @@
 #include "data/base/stop.h"
 #include "data/picture.h"
 #include "data/stroke_dataset.h"
+#include "env/dem.h"
 #include "env/paper_protocol.h"
 
 namespace sandwright {
 namespace {
 
 constexpr double kPictureRange_m = 0.012;  // of the error's colours, both ways
-constexpr uint64_t kPacking = 0;  // of the grains, where the model has some
-constexpr double kCold_s = 1;     // a stroke that takes longer is not slower for cold caches
+constexpr uint64_t kPacking = 0;           // of the grains, where the model has some
+constexpr double kCold_s = 1;  // a stroke that takes longer is not slower for cold caches
 constexpr std::array<int, 5> kRolloutSteps = {1, 5, 20, 50, 100};
 
 // `base` plus the change from one map to another of any cell size with the same walls.
@@ -61,6 +63,9 @@ class Scorer {
       if (Stopped()) return;
       try {
         ScoreRecord(path, file.strokes[i], static_cast<int>(i));
+      } catch (const GrainsLost& error) {
+        spdlog::warn("{}, stroke {} is left out: {}", path.string(), i, error.what());
+        ++report_.strokes_failed;
       } catch (const Error& error) {  // a run of grains ends at once
         if (error.kind() != ErrorKind::kInterrupted) throw;
       }
@@ -73,7 +78,10 @@ class Scorer {
   bool Stopped() { return report_.stopped = report_.stopped || StopRequested(); }
 
   ScoreReport Finish() {
-    if (report_.strokes.empty()) ThrowIfStopRequested();
+    if (report_.strokes.empty()) {
+      ThrowIfStopRequested();
+      throw Error(fmt::format("grains were lost in each of {} strokes", report_.strokes_failed));
+    }
     const auto count = static_cast<double>(report_.strokes.size());
     report_.ms_per_stroke = seconds_ * 1e3 / count;
     report_.floor_mm = config_.floor_mm.value_or(floor_.rmse_mm());
@@ -250,6 +258,7 @@ nlohmann::json ScoreReport::ToJson() const {
   const ScoreSummary total = Total();
   nlohmann::json json = {{"model", model},
                          {"strokes", total.strokes},
+                         {"strokes_failed", strokes_failed},
                          {"cell_size_m", cell_size_m},
                          {"model_cell_size_m", model_cell_size_m},
                          {"mae_mm", Number(total.mae_mm)},
