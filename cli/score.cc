@@ -18,7 +18,7 @@ std::string Text(const nlohmann::json& number, int decimals) {
 class ScoreCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--model", model_, "heightfield, none, default, or a .safetensors file")
+    app.add_option("--model", model_, "heightfield, dem (grains), none, default, or a .safetensors file")
         ->required();
     app.add_option("--data", data_, "stroke files or folders")->required();
     app.add_option("--cell-size", score_.cell_size_m, "cells that errors are taken on [m]")
@@ -54,6 +54,8 @@ class ScoreCommand final : public Command {
         Text(json["r2_change"], 3).c_str(), Text(json["explained"], 3).c_str(),
         Text(json["floor_mm"], 2).c_str(), report.floor_source.c_str(),
         Text(json["volume_drift_rel"], 3).c_str(), report.ms_per_stroke);
+    if (report.strokes_failed > 0)
+      std::printf("  %d strokes left out: grains were lost in them\n", report.strokes_failed);
     for (const auto& [step, rmse_mm] : report.accrued_rmse_mm)
       std::printf("  accrued RMSE after %d strokes: %.2f mm\n", step, rmse_mm);
     if (report.paper_mae_mm)

@@ -30,6 +30,7 @@ Axis RoundAxis(double low, double high, int count) {
 }  // namespace
 
 std::string DrawChart(const Chart& chart) {
+  const auto scaled = [&](double x) { return chart.logarithmic_x ? std::log10(x) : x; };
   double x_low = 1e300, x_high = -1e300, y_low = chart.from_zero ? 0 : 1e300, y_high = -1e300;
   const auto include_y = [&](double y) {
     y_low = std::min(y_low, y), y_high = std::max(y_high, y);
@@ -38,18 +39,20 @@ std::string DrawChart(const Chart& chart) {
     SAND_CHECK(series.x.size() == series.y.size(), series.name);
     for (size_t i = 0; i < series.x.size(); ++i) {
       if (std::isnan(series.x[i])) continue;
-      x_low = std::min(x_low, series.x[i]), x_high = std::max(x_high, series.x[i]);
+      x_low = std::min(x_low, scaled(series.x[i])), x_high = std::max(x_high, scaled(series.x[i]));
       include_y(series.y[i]);
     }
   }
   SAND_CHECK(x_low <= x_high);
   if (chart.reference_y) include_y(*chart.reference_y);
-  const Axis x_axis = RoundAxis(x_low, x_high, 8), y_axis = RoundAxis(y_low, y_high, 5);
+  const Axis x_axis = chart.logarithmic_x ? Axis{std::floor(x_low), std::ceil(x_high), 1}
+                                          : RoundAxis(x_low, x_high, 8);
+  const Axis y_axis = RoundAxis(y_low, y_high, 5);
 
   const double left = 56, right = 12, top = 14, bottom = 64;
   const double plot_width = chart.width_px - left - right,
                plot_height = chart.height_px - top - bottom;
-  const auto px = [&](double x) { return left + x_axis.Share(x) * plot_width; };
+  const auto px = [&](double x) { return left + x_axis.Share(scaled(x)) * plot_width; };
   const auto py = [&](double y) { return top + (1 - y_axis.Share(y)) * plot_height; };
 
   std::string svg = fmt::format(
@@ -62,7 +65,8 @@ std::string DrawChart(const Chart& chart) {
         left, left + plot_width, py(y), py(y), left - 6, py(y) + 4,
         std::abs(y) < y_axis.step * 1e-9 ? 0 : y);
   }
-  for (double x = x_axis.low; x <= x_axis.high + x_axis.step / 2; x += x_axis.step) {
+  for (double at = x_axis.low; at <= x_axis.high + x_axis.step / 2; at += x_axis.step) {
+    const double x = chart.logarithmic_x ? std::pow(10, at) : at;
     svg += fmt::format(
         "<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{:g}</text>\n",
         px(x), top + plot_height + 16, std::abs(x) < x_axis.step * 1e-9 ? 0 : x);
@@ -110,6 +114,16 @@ std::string DrawChart(const Chart& chart) {
     legend_x += 42 + 7.2 * static_cast<double>(series.name.size());
   }
   return svg + "</svg>\n";
+}
+
+std::string DrawChartFile(const Chart& chart) {
+  std::string svg = DrawChart(chart);
+  svg.insert(svg.find(' '), " xmlns=\"http://www.w3.org/2000/svg\"");
+  svg.insert(svg.find('\n') + 1,
+             "<style>.grid{stroke:#ddd} .reference{stroke:#888;stroke-dasharray:6 4} "
+             "text{font:12px sans-serif;fill:#333}</style>\n"
+             "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n");
+  return svg;
 }
 
 }  // namespace sandwright

@@ -19,11 +19,14 @@ struct Chart {
   std::vector<ChartSeries> series = {};
   std::optional<double> reference_y = {};  // a dashed line, e.g. a target
   std::string reference_name = {};
-  bool from_zero = true;  // the y axis starts at zero
+  bool from_zero = true;       // the y axis starts at zero
+  bool logarithmic_x = false;  // powers of ten; x > 0
   int width_px = 640, height_px = 320;
 };
 
-// An <svg> element with axes, ticks at round numbers and a legend.
+// An <svg> element with axes, ticks at round numbers and a legend, for a page with the style of html_page.h.
 std::string DrawChart(const Chart& chart);
+// The same as a file of its own.
+std::string DrawChartFile(const Chart& chart);
 
 }  // namespace sandwright

@@ -15,19 +15,18 @@ namespace {
 // Explicit steps are stable up to 1/4; each cell then gives at most four times that share of its
 // height, so none goes below the floor.
 constexpr double kPlainStep = 0.24;
-// Longer Legendre sums distort fronts; what comes to rest stays distorted, so it gets shorter ones and,
-// while a slope is this much steeper than critical, plain steps (tests/support/reference_avalanche.h).
-constexpr int kFlowStages = 9, kSettleStages = 5;
-constexpr double kPlainAbove = 1.14;
+// Longer Legendre sums are faster and distort what is steep, and what comes to rest stays distorted. So at
+// rest they are the shorter the steeper the slopes are, over the critical one; steeper still, plain steps
+// (tests/support/reference_avalanche.h).
+constexpr int kFlowStages = 8, kGentleStages = 9, kSettleStages = 5;
+constexpr double kGentleBelow = 1.05, kPlainAbove = 1.14;
 constexpr double Reach(int stages) { return kPlainStep * stages * (stages + 1) / 2; }
-// Share by which a slope must pass the angle to count as still flowing: while the blade moves, and at rest.
-constexpr double kFlowTolerance = 0.05, kRestTolerance = 1e-3;
+// Share by which a slope must pass the angle to count as still flowing.
+constexpr double kTolerance = 1e-3;
 // Above the rounding of slopes in float, so that a slope exactly at the angle does not creep.
 constexpr double kRoundingSlack = 2e-5;
 // Change of a firm cell, as a share of the critical rise, that makes it loose.
 constexpr double kLoosening = 1e-2;
-// Sand may run this many cells past the steep ones in one step.
-constexpr int kMargin = 3;
 
 float LowestIn(const std::vector<float>& heights) {
   return LowestHeight(heights.data(), static_cast<int>(heights.size()));
@@ -35,42 +34,56 @@ float LowestIn(const std::vector<float>& heights) {
 
 }  // namespace
 
-Avalanche::Avalanche(HeightMap& map) : map_(map), loose_(map.size(), 0), firm_m_(map.height_m) {}
+Avalanche::Avalanche(const HeightMap& before, HeightMap& map, double firmness)
+    : map_(map), firm_(before, firmness) {
+  SAND_CHECK(before.SameGrid(map));
+}
 
 void Avalanche::Disturb(std::span<const size_t> cells) {
-  const auto columns = static_cast<size_t>(map_.columns);
+  if (cells.empty()) return;
+  int row0 = map_.rows, row1 = 0, column0 = map_.columns, column1 = 0;
   for (const size_t cell : cells) {
-    loose_[cell] = 1;
-    const int row = static_cast<int>(cell / columns), column = static_cast<int>(cell % columns);
-    active_ = Union(active_, {row, column, row + 1, column + 1});
+    firm_.loose()[cell] = 1;
+    const auto index = static_cast<int>(cell);
+    const int row = index / map_.columns, column = index % map_.columns;
+    row0 = std::min(row0, row), row1 = std::max(row1, row + 1);
+    column0 = std::min(column0, column), column1 = std::max(column1, column + 1);
   }
+  active_ = Union(active_, {row0, column0, row1, column1});
   touched_ = Union(touched_, active_);
 }
 
-void Avalanche::Load(const CellRect& active, std::span<const CellFace> closed, double rise_m) {
-  window_ = {std::max(active.row0 - kMargin, 0), std::max(active.column0 - kMargin, 0),
-             std::min(active.row1 + kMargin, map_.rows),
-             std::min(active.column1 + kMargin, map_.columns)};
-  stride_ = WholeLanes(window_.columns()) + 2;
+AvalancheWindow Avalanche::Window(double rise_m) {
+  return {window_.rows(),   window_.columns(),
+          stride_,          open_x_.data(),
+          open_y_.data(),   mask_row0_,
+          mask_row1_,       resist_x_.data(),
+          resist_y_.data(), static_cast<float>(rise_m),
+          flux_.data()};
+}
+
+void Avalanche::Load(std::span<const CellFace> closed, double rise_m) {
+  window_ = {std::max(active_.row0 - kMargin, 0), std::max(active_.column0 - kMargin, 0),
+             std::min(active_.row1 + kMargin, map_.rows),
+             std::min(active_.column1 + kMargin, map_.columns)};
+  stride_ = AvalancheWindow::Stride(window_.columns());
   const size_t size = static_cast<size_t>(stride_) * static_cast<size_t>(window_.rows() + 2);
-  for (std::vector<float>* y : {&start_, &window_firm_, &window_loose_, &resist_x_, &resist_y_})
-    y->resize(size);
+  for (std::vector<float>* y : {&start_, &resist_x_, &resist_y_}) y->resize(size);
+  const size_t marks =
+      static_cast<size_t>(MarkStride(window_.columns())) * static_cast<size_t>(window_.rows() + 1);
+  near_.resize(marks);
+  moving_.resize(marks);
+  flux_.resize(3 * static_cast<size_t>(stride_));
+  spans_.resize(static_cast<size_t>(window_.rows()));
   for (int row = -1; row <= window_.rows(); ++row) {
-    const int from = std::clamp(window_.row0 + row, 0, map_.rows - 1);
-    const auto copy_row = [&](const std::vector<float>& whole, std::vector<float>& part) {
-      const float* source = &whole[map_.Index(from, 0)];
-      float* target = &part[static_cast<size_t>((row + 1) * stride_)];
-      target[0] = source[std::max(window_.column0 - 1, 0)];
-      std::copy(source + window_.column0, source + window_.column1, target + 1);
-      target[window_.columns() + 1] = source[std::min(window_.column1, map_.columns - 1)];
-    };
-    copy_row(map_.height_m, start_);
-    copy_row(firm_m_, window_firm_);
-    copy_row(loose_, window_loose_);
+    const float* source =
+        &map_.height_m[map_.Index(std::clamp(window_.row0 + row, 0, map_.rows - 1), 0)];
+    float* target = &start_[static_cast<size_t>((row + 1) * stride_)];
+    target[0] = source[std::max(window_.column0 - 1, 0)];
+    std::copy(source + window_.column0, source + window_.column1, target + 1);
+    target[window_.columns() + 1] = source[std::min(window_.column1, map_.columns - 1)];
   }
-  out_ = y1_ = y2_ = start_;  // the ring outside the window stays as it is
-  FaceResistance(window_firm_.data(), window_loose_.data(), window_.rows(), window_.columns(),
-                 stride_, static_cast<float>(rise_m), resist_x_.data(), resist_y_.data());
+  firm_.Resist(window_, rise_m, stride_, resist_x_, resist_y_);
 
   mask_row0_ = window_.rows();
   mask_row1_ = 0;
@@ -85,19 +98,50 @@ void Avalanche::Load(const CellRect& active, std::span<const CellFace> closed, d
   }
 }
 
+// Finds what is steep (`active_`) and what may move with it. Returns the steepest slope over the critical one,
+// squared.
+float Avalanche::FindMoving(double rise_m) {
+  const AvalancheWindow window = Window(rise_m);
+  out_.resize(start_.size());
+  const float steepest = FeltSlopes(window, start_.data(), out_.data());
+  const auto square = [](double x) { return static_cast<float>(x * x); };
+  const float limit = square(rise_m * (1 + kTolerance));
+  active_ = {};
+  if (steepest > limit) {
+    sandwright::FindMoving(window, out_.data(), limit, near_.data(), moving_.data(), spans_.data());
+    int row0 = window_.rows(), row1 = 0, column0 = window_.columns(), column1 = 0;
+    for (int row = 0; row < window_.rows(); ++row) {
+      const CellSpan span = spans_[static_cast<size_t>(row)];
+      if (span.empty()) continue;
+      row0 = std::min(row0, row), row1 = row + 1;
+      column0 = std::min(column0, span.first), column1 = std::max(column1, span.last);
+    }
+    reach_ = {window_.row0 + row0, window_.column0 + column0, window_.row0 + row1,
+              window_.column0 + column1};
+    // Steep is what lies a margin inside of that; at the window's edge it may be less.
+    active_ = {reach_.row0 + (row0 > 0 ? kMargin : 0), reach_.column0 + (column0 > 0 ? kMargin : 0),
+               reach_.row1 - (row1 < window_.rows() ? kMargin : 0),
+               reach_.column1 - (column1 < window_.columns() ? kMargin : 0)};
+    out_ = y1_ = y2_ = start_;  // what does not move stays as it is
+  }
+  return steepest / square(rise_m);
+}
+
 void Avalanche::Store(double rise_m) {
   const auto moved = static_cast<float>(kLoosening * rise_m);
   for (int row = 0; row < window_.rows(); ++row) {
+    const CellSpan span = spans_[static_cast<size_t>(row)];
     const float* source = &start_[static_cast<size_t>((row + 1) * stride_ + 1)];
     const size_t first = map_.Index(window_.row0 + row, window_.column0);
-    float *target = &map_.height_m[first], *loose = &loose_[first];
-    const float* firm = &firm_m_[first];
-    for (int i = 0; i < window_.columns(); ++i) {
+    float* target = &map_.height_m[first];
+    const float* firm = &firm_.before().height_m[first];
+    uint8_t* loose = &firm_.loose()[first];
+    for (int i = span.first; i < span.last; ++i) {
       if (std::abs(source[i] - firm[i]) > moved) loose[i] = 1;
       target[i] = source[i];
     }
   }
-  touched_ = Union(touched_, window_);
+  touched_ = Union(touched_, reach_);
 }
 
 // At a wall the ring repeats the cells inside: no slope across it.
@@ -118,36 +162,8 @@ void Avalanche::MirrorWalls(std::vector<float>& y) const {
 
 void Avalanche::Stage(const std::vector<float>& y1, const std::vector<float>& y2, float momentum,
                       float step, double rise_m, std::vector<float>& out) {
-  flux_.resize(3 * static_cast<size_t>(stride_));
-  AdvanceWindow({y1.data(), y2.data(), out.data(), open_x_.data(), open_y_.data(), resist_x_.data(),
-                 resist_y_.data(), flux_.data(), window_.rows(), window_.columns(), stride_,
-                 mask_row0_, mask_row1_, momentum, step, static_cast<float>(rise_m)});
+  AdvanceWindow(Window(rise_m), spans_.data(), y1.data(), y2.data(), momentum, step, out.data());
   MirrorWalls(out);
-}
-
-Avalanche::Steepness Avalanche::FindSteep(double rise_m) {
-  const int rows = window_.rows(), columns = window_.columns();
-  std::vector<float> of_row(static_cast<size_t>(rows)), of_column(static_cast<size_t>(columns));
-  flux_.resize(3 * static_cast<size_t>(stride_));
-  SteepestFaces({start_.data(), nullptr, nullptr, open_x_.data(), open_y_.data(), resist_x_.data(),
-                 resist_y_.data(), flux_.data(), rows, columns, stride_, mask_row0_, mask_row1_, 0,
-                 0, static_cast<float>(rise_m)},
-                of_row.data(), of_column.data());
-  const auto limit = static_cast<float>(rise_m * rise_m);
-  const auto is_steep = [limit](float g2) { return g2 > limit; };
-  Steepness found;
-  found.steepest = *std::ranges::max_element(of_row);
-  if (!is_steep(found.steepest)) return found;
-  const auto bounds = [&](const std::vector<float>& values, int offset) {
-    const auto first = std::ranges::find_if(values, is_steep);
-    const auto last = std::find_if(values.rbegin(), values.rend(), is_steep);
-    return std::pair(offset + static_cast<int>(first - values.begin()),
-                     offset + static_cast<int>(values.rend() - last));
-  };
-  const auto [row0, row1] = bounds(of_row, window_.row0);
-  const auto [column0, column1] = bounds(of_column, window_.column0);
-  found.where = {row0, column0, row1, column1};
-  return found;
 }
 
 void Avalanche::PlainSteps(double rise_m, double amount) {
@@ -191,8 +207,8 @@ void Avalanche::Advance(double rise_m, double amount) {
 void Avalanche::Flow(double tan_angle, double amount, std::span<const CellFace> closed) {
   if (active_.empty()) return;
   const double rise_m = tan_angle * map_.cell_size_m;
-  Load(active_, closed, rise_m);
-  active_ = FindSteep(rise_m * (1 + kFlowTolerance)).where;
+  Load(closed, rise_m);
+  FindMoving(rise_m);
   if (active_.empty()) return;
   Advance(rise_m * (1 + kRoundingSlack), amount);
   Store(rise_m);
@@ -202,9 +218,8 @@ void Avalanche::Settle(double tan_angle) {
   const double rise_m = tan_angle * map_.cell_size_m;
   active_ = touched_;
   for (bool everywhere = true; !active_.empty();) {
-    Load(active_, {}, rise_m);
-    const Steepness steep = FindSteep(rise_m * (1 + kRestTolerance));
-    active_ = steep.where;
+    Load({}, rise_m);
+    const float steepest = FindMoving(rise_m);
     if (active_.empty()) {
       if (everywhere) return;
       active_ = touched_;  // faces at the edge of a window go unseen while it moves
@@ -212,10 +227,12 @@ void Avalanche::Settle(double tan_angle) {
       continue;
     }
     everywhere = false;
-    if (steep.steepest > kPlainAbove * kPlainAbove * rise_m * rise_m)
-      PlainSteps(rise_m * (1 + kRoundingSlack), kMargin * kPlainStep);
+    const double flowing_rise_m = rise_m * (1 + kRoundingSlack);
+    if (steepest > kPlainAbove * kPlainAbove)
+      PlainSteps(flowing_rise_m, kMargin * kPlainStep);
     else
-      SuperStep(rise_m * (1 + kRoundingSlack), Reach(kSettleStages));
+      SuperStep(flowing_rise_m,
+                Reach(steepest < kGentleBelow * kGentleBelow ? kGentleStages : kSettleStages));
     Store(rise_m);
   }
 }
@@ -226,7 +243,8 @@ void RelaxToRepose(HeightMap& map, double repose_deg) {
   CheckHeightMap(map, "terrain");
   std::vector<size_t> all(map.size());
   std::iota(all.begin(), all.end(), size_t{0});
-  Avalanche avalanche(map);
+  const HeightMap before = map;
+  Avalanche avalanche(before, map, 1);
   avalanche.Disturb(all);
   avalanche.Settle(std::tan(repose_deg * std::numbers::pi / 180));
 }

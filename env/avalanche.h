@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "data/height_map.h"
+#include "env/avalanche_kernel.h"
+#include "env/firm_sand.h"
 
 namespace sandwright {
 
@@ -25,8 +27,9 @@ struct CellFace {
 // below the lower of the floor and the lowest cell of its window. Not for several threads at once.
 class Avalanche {
  public:
-  // `map` must outlive the object. All its sand is firm.
-  explicit Avalanche(HeightMap& map);
+  // `map` moves; its sand is firm where it is as in `before`, the same grid, and then holds slopes `firmness`
+  // (>= 1) times as steep as loose sand does, or as steep as it lay. Both maps must outlive the object.
+  Avalanche(const HeightMap& before, HeightMap& map, double firmness);
 
   // Makes the sand of these cells (indices into height_m) loose.
   void Disturb(std::span<const size_t> cells);
@@ -42,15 +45,10 @@ class Avalanche {
   const CellRect& touched() const { return touched_; }
 
  private:
-  // Where faces are steeper than asked, and the steepest slope of all [squared rise per cell, m^2].
-  struct Steepness {
-    CellRect where;
-    float steepest = 0;
-  };
-
-  void Load(const CellRect& active, std::span<const CellFace> closed, double rise_m);
+  AvalancheWindow Window(double rise_m);
+  void Load(std::span<const CellFace> closed, double rise_m);
+  float FindMoving(double rise_m);
   void Store(double rise_m);
-  Steepness FindSteep(double rise_m);
   void Advance(double rise_m, double amount);
   void PlainSteps(double rise_m, double amount);
   void SuperStep(double rise_m, double amount);
@@ -59,12 +57,13 @@ class Avalanche {
   void MirrorWalls(std::vector<float>& y) const;
 
   HeightMap& map_;
-  std::vector<float> loose_;   // [map] 1 = loose, 0 = firm
-  std::vector<float> firm_m_;  // [map] heights at the start: firm sand that crept away from them is loose
-  CellRect active_, touched_;   // where sand may be on the move; where it ever was
-  CellRect window_;
-  int stride_ = 0;                      // of the buffers: the window with a ring of one cell
-  std::vector<float> start_, y1_, y2_, out_, window_firm_, window_loose_, resist_x_, resist_y_;
+  FirmSand firm_;
+  CellRect active_, touched_;  // where sand is steep or was disturbed; where it ever moved
+  CellRect window_, reach_;    // what is loaded; what may move of it
+  int stride_ = 0;             // of the buffers: the window with a ring of one cell
+  std::vector<float> start_, y1_, y2_, out_, resist_x_, resist_y_;
+  std::vector<uint8_t> near_, moving_;
+  std::vector<CellSpan> spans_;         // of each row of the window: what may move
   int mask_row0_ = 0, mask_row1_ = 0;   // rows of the window near closed faces
   std::vector<float> open_x_, open_y_;  // 1 = open, 0 = closed; only valid on those rows
   std::vector<float> flux_;             // scratch rows

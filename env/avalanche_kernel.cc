@@ -63,61 +63,77 @@ SAND_INLINE float Felt(Rise r, float resist, float rise_m) {
 // What untouched sand holds beyond the critical slope, or sand at repose would creep wherever its
 // neighbour does.
 constexpr float kFirmer = 1.005f;
+// A face that nothing passes: far beyond any slope, and its square is finite.
+constexpr float kShut = 1e12f;
 
 }  // namespace
 
-SAND_WIDE void AdvanceWindow(const AvalancheWindow& w) {
-  const int stride = w.stride, columns = w.columns, faces = WholeLanes(columns);
-  const float rise_m = w.rise_m, momentum = w.momentum, step = w.step;
+SAND_WIDE void AdvanceWindow(const AvalancheWindow& w, const CellSpan* spans, const float* y1,
+                             const float* y2, float momentum, float step, float* out) {
+  const int stride = w.stride;
+  const float rise_m = w.rise_m;
   float* __restrict flux_x = w.flux;             // flux_x[i]: between columns i - 1 and i
   float* __restrict flux_low = w.flux + stride;  // between the row before and this one
   float* __restrict flux_high = w.flux + 2 * stride;
-  std::fill(flux_low, flux_low + columns, 0.0f);
-  flux_x[0] = 0;
+  std::fill(flux_low, flux_low + stride, 0.0f);
   for (int row = 0; row < w.rows; ++row) {
-    const int first = (row + 1) * stride + 1;
-    const float* h = w.y1 + first;
-    const float* earlier = w.y2 + first;
-    const float *ox = w.open_x + first, *oy = w.open_y + first;
-    const float *rx = w.resist_x + first, *ry = w.resist_y + first;
-    float* __restrict out = w.out + first;
+    const CellSpan span = spans[row];
+    const CellSpan next = row + 1 < w.rows ? spans[row + 1] : CellSpan{0, 0};
+    if (span.empty() && next.empty()) continue;
+    const int line = (row + 1) * stride + 1;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
-    if (masked) {
-      for (int i = 0; i < faces; ++i)
-        flux_x[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m * rx[i]);
-    } else {
-      for (int i = 0; i < faces; ++i) flux_x[i + 1] = Flux(RiseX(h, stride, i), rise_m * rx[i]);
+    {
+      const int first = span.empty()   ? next.first
+                        : next.empty() ? span.first
+                                       : std::min(span.first, next.first);
+      const int faces = WholeLanes(std::max(span.last, next.last) - first), at = line + first;
+      const float *h = y1 + at, *ox = w.open_x + at, *oy = w.open_y + at, *ry = w.resist_y + at;
+      float* __restrict flux = flux_high + first;
+      if (masked) {
+        for (int i = 0; i < faces; ++i)
+          flux[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m * ry[i]);
+      } else {
+        for (int i = 0; i < faces; ++i) flux[i] = Flux(RiseY(h, stride, i), rise_m * ry[i]);
+      }
     }
-    flux_x[columns] = 0;
-    if (row + 1 == w.rows) {
-      std::fill(flux_high, flux_high + columns, 0.0f);
-    } else if (masked) {
-      for (int i = 0; i < faces; ++i)
-        flux_high[i] = Flux(MaskedRiseY(h, ox, oy, stride, i), rise_m * ry[i]);
-    } else {
-      for (int i = 0; i < faces; ++i) flux_high[i] = Flux(RiseY(h, stride, i), rise_m * ry[i]);
-    }
-    for (int i = 0; i < columns; ++i) {
-      const float inflow = (flux_x[i + 1] - flux_x[i]) + (flux_high[i] - flux_low[i]);
-      out[i] = (h[i] + momentum * (h[i] - earlier[i])) + step * inflow;
+    if (!span.empty()) {
+      const int at = line + span.first, count = span.last - span.first, faces = WholeLanes(count);
+      const float *h = y1 + at, *ox = w.open_x + at, *oy = w.open_y + at, *rx = w.resist_x + at;
+      const float* earlier = y2 + at;
+      float* __restrict moved = out + at;
+      float* __restrict flux = flux_x + span.first;
+      if (masked) {
+        for (int i = 0; i < faces; ++i)
+          flux[i + 1] = Flux(MaskedRiseX(h, ox, oy, stride, i), rise_m * rx[i]);
+      } else {
+        for (int i = 0; i < faces; ++i) flux[i + 1] = Flux(RiseX(h, stride, i), rise_m * rx[i]);
+      }
+      flux[0] = flux[count] = 0;
+      const float *low = flux_low + span.first, *high = flux_high + span.first;
+      for (int i = 0; i < faces; ++i) {
+        const float inflow = (flux[i + 1] - flux[i]) + (high[i] - low[i]);
+        const float height = (h[i] + momentum * (h[i] - earlier[i])) + step * inflow;
+        moved[i] = i < count ? height : moved[i];
+      }
     }
     std::swap(flux_low, flux_high);
   }
 }
 
-SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_column) {
+SAND_WIDE float FeltSlopes(const AvalancheWindow& w, const float* heights, float* felt) {
   const int stride = w.stride, columns = w.columns, faces = WholeLanes(columns);
   const float rise_m = w.rise_m;
-  float* __restrict square_x = w.flux;
-  float* __restrict square_y = w.flux + stride;
-  float* __restrict column_max = of_column;
-  std::fill(of_row, of_row + w.rows, 0.0f);
-  std::fill(of_column, of_column + columns, 0.0f);
+  float* __restrict square_x = w.flux;  // square_x[i]: between columns i - 1 and i
+  float* __restrict square_low = w.flux + stride;
+  float* __restrict square_high = w.flux + 2 * stride;
+  std::fill(square_low, square_low + columns, 0.0f);
+  float steepest = 0;
   for (int row = 0; row < w.rows; ++row) {
     const int first = (row + 1) * stride + 1;
-    const float* h = w.y1 + first;
+    const float* h = heights + first;
     const float *ox = w.open_x + first, *oy = w.open_y + first;
     const float *rx = w.resist_x + first, *ry = w.resist_y + first;
+    float* __restrict here = felt + first;
     const bool masked = row >= w.mask_row0 && row < w.mask_row1;
     if (masked) {
       for (int i = 0; i < faces; ++i)
@@ -125,41 +141,94 @@ SAND_WIDE void SteepestFaces(const AvalancheWindow& w, float* of_row, float* of_
     } else {
       for (int i = 0; i < faces; ++i) square_x[i + 1] = Felt(RiseX(h, stride, i), rx[i], rise_m);
     }
-    square_x[0] = square_x[columns] = 0;  // square_x[i]: between columns i - 1 and i
+    square_x[0] = square_x[columns] = 0;
     if (row + 1 == w.rows) {
-      std::fill(square_y, square_y + columns, 0.0f);
+      std::fill(square_high, square_high + columns, 0.0f);
     } else if (masked) {
       for (int i = 0; i < faces; ++i)
-        square_y[i] = Felt(MaskedRiseY(h, ox, oy, stride, i), ry[i], rise_m);
+        square_high[i] = Felt(MaskedRiseY(h, ox, oy, stride, i), ry[i], rise_m);
     } else {
-      for (int i = 0; i < faces; ++i) square_y[i] = Felt(RiseY(h, stride, i), ry[i], rise_m);
+      for (int i = 0; i < faces; ++i) square_high[i] = Felt(RiseY(h, stride, i), ry[i], rise_m);
     }
-    float largest = 0, largest_y = 0;
-    for (int i = 0; i < columns; ++i) {
-      const float here = std::max(std::max(square_x[i], square_x[i + 1]), square_y[i]);
-      column_max[i] = std::max(column_max[i], here);
-      largest = std::max(largest, here);
-      largest_y = std::max(largest_y, square_y[i]);
+    float largest = 0;
+    for (int i = 0; i < faces; ++i) {
+      const float most =
+          std::max(std::max(square_x[i], square_x[i + 1]), std::max(square_low[i], square_high[i]));
+      here[i] = i < columns ? most : 0.0f;
+      largest = std::max(largest, here[i]);
     }
-    of_row[row] = std::max(of_row[row], largest);
-    if (row + 1 < w.rows) of_row[row + 1] = largest_y;
+    steepest = std::max(steepest, largest);
+    std::swap(square_low, square_high);
+  }
+  return steepest;
+}
+
+SAND_WIDE void FindMoving(const AvalancheWindow& w, const float* felt, float limit, uint8_t* near,
+                          uint8_t* moving, CellSpan* spans) {
+  static_assert(kMargin == 3);
+  const int columns = w.columns, bytes = WholeMarks(columns), stride = MarkStride(columns);
+  // near[i], moving[i]: cell i - kMargin of a row.
+  uint8_t* __restrict wide = moving;  // scratch until the rows are joined
+  std::fill(wide, wide + stride, uint8_t{0});
+  for (int row = 0; row < w.rows; ++row) {
+    const float* line = felt + (row + 1) * w.stride + 1;
+    for (int i = 0; i < bytes; ++i) wide[i + kMargin] = line[i] > limit;
+    uint8_t* __restrict along = near + row * stride;
+    for (int i = 0; i < bytes; ++i)
+      along[i] = wide[i] | wide[i + 1] | wide[i + 2] | wide[i + 3] | wide[i + 4] | wide[i + 5] |
+                 wide[i + 6];
+  }
+  for (int row = 0; row < w.rows; ++row) {
+    uint8_t* __restrict line = moving + row * stride;
+    std::fill(line, line + stride, uint8_t{0});
+    const int row1 = std::min(row + kMargin, w.rows - 1);
+    for (int other = std::max(row - kMargin, 0); other <= row1; ++other) {
+      const uint8_t* __restrict along = near + other * stride;
+      for (int i = 0; i < bytes; ++i) line[i] |= along[i];
+    }
+    for (int i = columns; i < bytes; ++i) line[i] = 0;
+    CellSpan& span = spans[row] = {0, columns};
+    while (span.first < columns && line[span.first] == 0) ++span.first;
+    while (span.last > span.first && line[span.last - 1] == 0) --span.last;
+  }
+  std::fill(moving + w.rows * stride, moving + (w.rows + 1) * stride, uint8_t{0});
+  for (int row = 0; row < w.rows; ++row) {
+    const int faces = WholeLanes(columns);
+    const uint8_t* m = moving + row * stride;
+    float* __restrict rx = w.resist_x + (row + 1) * w.stride + 1;
+    float* __restrict ry = w.resist_y + (row + 1) * w.stride + 1;
+    for (int i = 0; i < faces; ++i) {
+      rx[i] = m[i] & m[i + 1] ? rx[i] : kShut;
+      ry[i] = m[i] & m[i + stride] ? ry[i] : kShut;
+    }
   }
 }
 
-SAND_WIDE void FaceResistance(const float* firm, const float* loose, int rows, int columns,
-                              int stride, float rise_m, float* resist_x, float* resist_y) {
-  const int faces = WholeLanes(columns);
-  const auto resist = [rise_m](Rise r, float either_loose) {
-    const float firm_share = std::max(kFirmer, std::sqrt(r.squared()) / rise_m);
-    return either_loose + (1 - either_loose) * firm_share;
+SAND_WIDE void RowSlopes(const float* below, const float* row, const float* above, int columns,
+                         CellSpan cells, float* slope_x, float* slope_y) {
+  const auto slope = [&](int i, int left, int right) {
+    const float x = row[right] - row[i],
+                x_across = 0.25f * ((above[i] - below[i]) + (above[right] - below[right]));
+    const float y = above[i] - row[i],
+                y_across = 0.25f * ((row[right] - row[left]) + (above[right] - above[left]));
+    slope_x[i] = std::sqrt(x * x + x_across * x_across);
+    slope_y[i] = std::sqrt(y * y + y_across * y_across);
   };
-  for (int row = 0; row < rows; ++row) {
-    const int first = (row + 1) * stride + 1;
-    const float *h = firm + first, *l = loose + first;
-    float* __restrict rx = resist_x + first, * __restrict ry = resist_y + first;
-    for (int i = 0; i < faces; ++i) rx[i] = resist(RiseX(h, stride, i), std::max(l[i], l[i + 1]));
-    for (int i = 0; i < faces; ++i)
-      ry[i] = resist(RiseY(h, stride, i), std::max(l[i], l[i + stride]));
+  const int first = std::max(cells.first, 1), last = std::min(cells.last, columns - 1);
+  if (cells.first == 0) slope(0, 0, std::min(1, columns - 1));
+  for (int i = first; i < last; ++i) slope(i, i - 1, i + 1);
+  if (cells.last == columns) slope(columns - 1, std::max(columns - 2, 0), columns - 1);
+}
+
+SAND_WIDE void RowResistance(const float* slope_x, const float* slope_y, const uint8_t* loose,
+                             const uint8_t* loose_above, int count, float firmness, float rise_m,
+                             float* resist_x, float* resist_y) {
+  const float per_rise = 1 / rise_m, least = kFirmer * firmness;
+  for (int i = 0; i < WholeLanes(count); ++i) {
+    const float firm_x = std::max(least, slope_x[i] * per_rise);
+    const float firm_y = std::max(least, slope_y[i] * per_rise);
+    resist_x[i] = (loose[i] | loose[i + 1]) ? 1.0f : firm_x;
+    resist_y[i] = (loose[i] | loose_above[i]) ? 1.0f : firm_y;
   }
 }
 

@@ -1,6 +1,8 @@
 // The inner loops of the avalanche, in a form that compilers turn into vector code.
 #pragma once
 
+#include <cstdint>
+
 namespace sandwright {
 
 // Cells that vector code takes at a time. Faces are computed up to a whole number of lanes and the
@@ -8,37 +10,61 @@ namespace sandwright {
 inline constexpr int kLanes = 8;
 constexpr int WholeLanes(int columns) { return (columns + kLanes - 1) / kLanes * kLanes; }
 
-// A window of heights [m] with a ring of one cell around it: element (row, column) of the window is
-// at (row + 1) * stride + column + 1 of each buffer; stride is at least WholeLanes(columns) + 2 and
-// the surplus holds finite numbers. No sand passes the window's edge.
-struct AvalancheWindow {
-  const float* y1;      // heights whose slopes drive the fluxes
-  const float* y2;      // heights one stage earlier
-  float* out;           // y1 + momentum * (y1 - y2) + step * (net inflow)
-  const float* open_x;  // 1 = open, 0 = closed: the face of a cell towards the next column
-  const float* open_y;  // the same towards the next row
-  // Slope that a face resists, over the critical one (>= 1): of a cell's face towards the next column
-  // and the next row, read as open_x and open_y are.
-  const float* resist_x;
-  const float* resist_y;
-  float* flux;  // scratch, 3 * stride
-  int rows, columns, stride;
-  int mask_row0, mask_row1;  // rows of the window where faces may be closed
-  float momentum, step;
-  float rise_m;  // critical height difference over one cell
+// The same for marks, one byte a cell.
+inline constexpr int kMarkLanes = 32;
+constexpr int WholeMarks(int columns) {
+  return (columns + kMarkLanes - 1) / kMarkLanes * kMarkLanes;
+}
+constexpr int MarkStride(int columns) { return WholeMarks(columns) + kMarkLanes; }
+
+// Cells [first, last) of a row; none where first >= last.
+struct CellSpan {
+  int first, last;
+  bool empty() const { return first >= last; }
 };
 
-// One stage over the window (its ring is read, never written).
-void AdvanceWindow(const AvalancheWindow& window);
+// A window of cells with a ring of one around it: element (row, column) of the window is at
+// (row + 1) * stride + column + 1 of each buffer, and buffers have rows + 2 such rows. The surplus
+// holds finite numbers.
+struct AvalancheWindow {
+  int rows, columns, stride;
+  const float* open_x;       // 1 = open, 0 = closed: the face of a cell towards the next column
+  const float* open_y;       // the same towards the next row
+  int mask_row0, mask_row1;  // rows of the window where faces may be closed
+  // Slope that a face resists, over the critical one (>= 1): of a cell's face towards the next column
+  // and the next row, read as open_x and open_y are.
+  float* resist_x;
+  float* resist_y;
+  float rise_m;  // critical height difference over one cell
+  float* flux;   // scratch, 3 * stride
+  static constexpr int Stride(int columns) { return WholeMarks(columns) + kLanes + 2; }
+};
 
-// Largest squared slope [m^2 over one cell] of the faces of each row and of each column; a face counts
-// for both its cells, as a share of what it resists. Only y1, resist, rise_m and the masks are read.
-void SteepestFaces(const AvalancheWindow& window, float* of_row, float* of_column);
+// Squared slope [m^2 over one cell] of each cell's steepest face, as a share of what the face resists.
+// Faces at the window's edge do not count. Returns the greatest.
+float FeltSlopes(const AvalancheWindow& window, const float* heights, float* felt);
 
-// What the faces of a window resist: 1 where a cell beside is loose (`loose` 1), else the slope at which
-// they lay in `firm`, heights before anything moved, and at least a little more than 1. Buffers as above.
-void FaceResistance(const float* firm, const float* loose, int rows, int columns, int stride,
-                    float rise_m, float* resist_x, float* resist_y);
+// Which cells may move: those within kMargin rows and columns of one that feels more than `limit`. Writes
+// 1 and 0 into `moving`, the span of each row, and shuts all faces but those between two moving cells
+// (resist). Uses up `felt`.
+inline constexpr int kMargin = 3;
+void FindMoving(const AvalancheWindow& window, const float* felt, float limit, uint8_t* near,
+                uint8_t* moving, CellSpan* spans);
+
+// out = y1 + momentum * (y1 - y2) + step * (net inflow) over the spans; the slopes of y1 drive the fluxes.
+void AdvanceWindow(const AvalancheWindow& window, const CellSpan* spans, const float* y1,
+                   const float* y2, float momentum, float step, float* out);
+
+// Slopes [rise over a cell, m] of the faces of cells [first, last) of a row towards the next column and
+// the next row; the rows below and above it count, at a wall the row itself.
+void RowSlopes(const float* below, const float* row, const float* above, int columns,
+               CellSpan cells, float* slope_x, float* slope_y);
+
+// What the faces of a row resist: 1 where a cell beside is loose, else the slope at which they lay, and at
+// least a little more than `firmness`. `loose_above`: the next row's.
+void RowResistance(const float* slope_x, const float* slope_y, const uint8_t* loose,
+                   const uint8_t* loose_above, int count, float firmness, float rise_m,
+                   float* resist_x, float* resist_y);
 
 // Smallest of `count` > 0 heights.
 float LowestHeight(const float* heights, int count);

@@ -11,8 +11,8 @@ namespace {
 constexpr double kTie = 1e-6;  // [cells]; also the share of a cell that is nothing
 
 // Share of a cell [x - cell/2, x + cell/2] that lies within [low, high].
-double Overlap(double x, double low, double high, double cell) {
-  return std::max(0.0, std::min(x + cell / 2, high) - std::max(x - cell / 2, low)) / cell;
+double Overlap(double x, double low, double high, double cell, double per_cell) {
+  return std::max(0.0, std::min(x + cell / 2, high) - std::max(x - cell / 2, low)) * per_cell;
 }
 
 }  // namespace
@@ -29,7 +29,9 @@ BladeCut::BladeCut(HeightMap& map, const Blade& blade, const CutLaw& law, double
       half_width_(blade.width_m / 2),
       half_thickness_(blade.thickness_m / 2),
       strip_count_(std::max(1, static_cast<int>(blade.width_m / cell_ + 1e-6))),
-      strip_width_(blade.width_m / strip_count_) {}
+      strip_width_(blade.width_m / strip_count_),
+      per_cell_(1 / cell_),
+      per_strip_(1 / strip_width_) {}
 
 BladeCut::Placed BladeCut::Place(const BladePose& pose) {
   return {pose, std::cos(pose.yaw_rad), std::sin(pose.yaw_rad)};
@@ -75,10 +77,12 @@ void BladeCut::ForEachCell(const Placed& at, double u_low, double u_high, double
   }
 }
 
-double BladeCut::Across(double s) const { return Overlap(s, -half_width_, half_width_, cell_); }
+double BladeCut::Across(double s) const {
+  return Overlap(s, -half_width_, half_width_, cell_, per_cell_);
+}
 
 BladeCut::Between BladeCut::Find(double s) const {
-  const double at = std::clamp((s + half_width_) / strip_width_ - 0.5, 0.0, strip_count_ - 1.0);
+  const double at = std::clamp((s + half_width_) * per_strip_ - 0.5, 0.0, strip_count_ - 1.0);
   const int strip = std::min(static_cast<int>(at), std::max(strip_count_ - 2, 0));
   return {static_cast<size_t>(strip), static_cast<size_t>(std::min(strip + 1, strip_count_ - 1)),
           at - strip};
@@ -106,14 +110,18 @@ void BladeCut::FindRoom(const Placed& at, double side, Strips& strips,
   receivers.clear();
   const double longest = *std::ranges::max_element(strips.length);
   const double near = half_thickness_, far = half_thickness_ + longest + cell_ / 2;
+  const double widening = law_.spread / half_width_;
   ForEachCell(at, side > 0 ? near : -far, side > 0 ? far : -near,
               half_width_ + law_.spread * longest + cell_ / 2,
               [&](int, int, size_t cell, double u, double widened_s) {
                 if (side * u <= near + kTie * cell_) return;
-                const double s = widened_s / (1 + law_.spread * (side * u - near) / half_width_);
+                const double s = widened_s / (1 + widening * (side * u - near));
+                const double across = Across(s);
+                if (across <= 0) return;
                 const Between place = Find(s);
                 const double weight =
-                    Across(s) * Overlap(side * u, near, near + place.Mix(strips.length), cell_);
+                    across *
+                    Overlap(side * u, near, near + place.Mix(strips.length), cell_, per_cell_);
                 if (weight <= 0) return;
                 place.Add(weight, strips.room);
                 receivers.push_back({cell, place, weight});
@@ -149,7 +157,7 @@ void BladeCut::Lay(const std::vector<Receiver>& receivers, Strips& strips) {
 
 void BladeCut::Cut(const Placed& from, const Placed& to) {
   changed_.clear();
-  const double sunk = from.pose.z_m - to.pose.z_m, h = half_thickness_;
+  const double sunk = from.pose.z_m - to.pose.z_m, h = half_thickness_, front = h + kTie * cell_;
   FindRoom(to, 1, ahead_, receivers_ahead_);
   receivers_behind_.clear();
   if (sunk > 0 || from.pose.yaw_rad != to.pose.yaw_rad)
@@ -171,19 +179,18 @@ void BladeCut::Cut(const Placed& from, const Placed& to) {
         const double x = (column + 0.5) * cell_ - from.pose.x_m,
                      y = (row + 0.5) * cell_ - from.pose.y_m;
         const double u_from = x * from.c + y * from.s;
-        // Shares of the cell behind the front and before the back, then and now. What a side newly
-        // sweeps is the excess of the part it had not yet swept.
-        const auto swept = [&](double past, double now) {
-          const double left = 1 - across * past;
-          return now > past && left > kTie ? across * (now - past) / left : 0.0;
-        };
-        const auto front = [&](double at) { return std::clamp((h - at) / cell_ + 0.5, 0.0, 1.0); };
+        // The front takes a cell when it passes its centre, as sand flows round the blade: a cell that is
+        // half taken would stand for sand ahead of the blade and for sand behind it.
+        const bool taken = u <= front && u_from > front;
+        const double by_front = room_ahead && taken ? excess * across : 0;
+        // What the back of a turning or sinking blade newly sweeps of a cell.
         const auto back = [&](double at) { return std::clamp((h + at) / cell_ + 0.5, 0.0, 1.0); };
-        const double by_front = room_ahead ? excess * swept(front(u_from), front(u)) : 0;
-        const double by_back = room_behind ? excess * swept(back(u_from), back(u)) : 0;
+        const double left = 1 - across * back(u_from), newly = back(u) - back(u_from);
+        const double by_back =
+            room_behind && newly > 0 && left > kTie ? excess * across * newly / left : 0;
         // A blade that goes down also presses out what stands below it.
         const double pressed =
-            sunk > 0 ? across * Overlap(u, -h, h, cell_) * std::min(sunk, excess) : 0;
+            sunk > 0 ? across * Overlap(u, -h, h, cell_, per_cell_) * std::min(sunk, excess) : 0;
         const double halves = pressed / std::max(1, room_ahead + room_behind);
         double ahead = by_front + (room_ahead ? halves : 0),
                behind = by_back + (room_behind ? halves : 0);
@@ -213,22 +220,18 @@ std::span<const size_t> BladeCut::Advance(const BladePose& from, const BladePose
 
 std::vector<CellFace> BladeCut::ClosedFaces(const BladePose& pose) const {
   const Placed at = Place(pose);
-  // Cells that the front is passing are shut on both sides: what it has yet to cut must not run
-  // back behind it.
-  const double front = half_thickness_ + kTie * cell_, passed = front - cell_ / 2;
+  const double front = half_thickness_ + kTie * cell_;
   const double reach = half_width_ + kTie * cell_;
   std::vector<CellFace> closed;
-  ForEachCell(at, passed - 1.5 * cell_, front + 1.5 * cell_, half_width_ + 1.5 * cell_,
+  ForEachCell(at, front - 1.5 * cell_, front + 1.5 * cell_, half_width_ + 1.5 * cell_,
               [&](int row, int column, size_t cell, double u, double s) {
                 const auto test = [&](bool along_x) {
                   const int next_row = row + !along_x, next_column = column + along_x;
                   if (next_row >= map_.rows || next_column >= map_.columns) return;
                   const double next_u = u + (along_x ? at.c : at.s) * cell_;
                   const double next_s = s + (along_x ? -at.s : at.c) * cell_;
-                  const auto parts = [&](double line) { return (u > line) != (next_u > line); };
-                  if (!parts(front) && !parts(passed)) return;
-                  const double line = parts(front) ? front : passed;
-                  const double crossing = s + (next_s - s) * (line - u) / (next_u - u);
+                  if ((u > front) == (next_u > front)) return;
+                  const double crossing = s + (next_s - s) * (front - u) / (next_u - u);
                   if (std::abs(crossing) > reach) return;
                   if (std::max(map_.height_m[cell], map_.At(next_row, next_column)) <= at.pose.z_m)
                     return;

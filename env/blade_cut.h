@@ -13,17 +13,20 @@ namespace sandwright {
 
 // How sand fails at a blade. The defaults are fitted to strokes through 6 mm grains (docs/sand.md).
 struct CutLaw {
-  double rupture_ratio = 2.0;  // kappa; theory: 1.8 to 3.5 at 33 degrees, smooth to rough blade
-  double spread = 0.5;
-  double bite_m = 0.017;
+  double rupture_ratio = 1.6;  // kappa; theory: 1.8 to 3.5 at 33 degrees, smooth to rough blade
+  double spread = 0.62;
+  double bite_m = 0.0195;
 
   void Fields(FieldList& f) {
     f.Add("rupture_ratio", rupture_ratio,
           "length over which cut sand is laid ahead of the blade, over its depth there [1]", 0, 10);
-    f.Add("spread", spread, "widening of the laid sand on each side over its distance ahead [1]", 0, 2);
-    f.Add("bite_m", bite_m,
-          "how far below its edge the blade drags sand along, at most, and never more than the depth "
-          "of sand in front of it; grows with the grains [m]", 0, 0.1);
+    f.Add("spread", spread, "widening of the laid sand on each side over its distance ahead [1]", 0,
+          2);
+    f.Add(
+        "bite_m", bite_m,
+        "how far below its edge the blade drags sand along, at most, and never more than the depth "
+        "of sand in front of it; grows with the grains [m]",
+        0, 0.1);
   }
 };
 
@@ -81,7 +84,8 @@ class BladeCut {
   double Across(double s) const;
   Between Find(double s) const;
   void Probe(const Placed& at, double side, Strips& strips) const;
-  void FindRoom(const Placed& at, double side, Strips& strips, std::vector<Receiver>& receivers) const;
+  void FindRoom(const Placed& at, double side, Strips& strips,
+                std::vector<Receiver>& receivers) const;
   void Lay(const std::vector<Receiver>& receivers, Strips& strips);
   void Cut(const Placed& from, const Placed& to);
 
@@ -89,7 +93,7 @@ class BladeCut {
   CutLaw law_;
   double floor_m_, cell_, half_width_, half_thickness_;
   int strip_count_;
-  double strip_width_;
+  double strip_width_, per_cell_, per_strip_;
   Strips ahead_, behind_;
   std::vector<size_t> changed_;
   std::vector<Receiver> receivers_ahead_, receivers_behind_;

@@ -171,7 +171,15 @@ class Collector {
         return record;
       } catch (const GrainsLost& e) {
         if (draw == kDraws) throw;
-        spdlog::warn("{}: {}; another one is drawn", FileOf(bed.index).string(), e.what());
+        spdlog::warn("{}: {}; another {} is drawn", FileOf(bed.index).string(), e.what(),
+                     record.replicate_of ? "packing" : "one");
+        if (!record.replicate_of) continue;
+        // The stroke is given; the same one through the same grains would lose them again.
+        const auto done = static_cast<int64_t>(bed.content.strokes.size());
+        bed.state =
+            model_->Start(Terrain(record.sequence),
+                          PackingSeed(done % config_.packings + (draw + 1) * config_.packings));
+        record.before = bed.state->map();
       }
     }
   }

@@ -27,7 +27,8 @@ double GrainMaterial::time_step_s() const {
 namespace {
 
 constexpr double kRest_mps = 0.001;  // rms speed below which a bed is at rest: no grain moves on
-constexpr double kSample_s = 0.02;   // between two samples of overlap and speed
+constexpr double kSample_s = 0.02;   // between two samples of overlap, speed and load
+constexpr int64_t kLoadStride = 10;  // steps between two looks at the blade's load
 constexpr double kBladeHeight_m = 0.2;
 constexpr double kMargin_m = 0.01;  // of the simulated box around its grains
 
@@ -44,8 +45,9 @@ std::string ContactLaw(const GrainMaterial& m, double friction) {
 }
 
 std::string Walls(const GrainMaterial& m, const DemScene& scene) {
-  const std::string law = ContactLaw(m, m.friction);
-  std::string text = fmt::format("fix floor moving wall/gran granular {} zplane 0 NULL\n", law);
+  const std::string law = ContactLaw(m, scene.wall_friction.value_or(m.friction));
+  std::string text = fmt::format("fix floor moving wall/gran granular {} zplane 0 NULL\n",
+                                 ContactLaw(m, m.friction));
   for (int axis = 0; axis < 2; ++axis) {
     const auto side = [&](bool wall, double at) {
       return wall ? fmt::format("{:.17g}", at) : "NULL";
@@ -77,33 +79,42 @@ std::string Preamble(const GrainMaterial& m, const DemScene& scene) {
              "variable speed2 atom vx*vx+vy*vy+vz*vz\ncompute fastest2 moving reduce max v_speed2\n"
              "compute mean2 moving reduce ave v_speed2\nvariable fastest equal sqrt(c_fastest2)\n"
              "variable rms equal sqrt(c_mean2)\n"
-             "thermo_style custom step atoms c_strongest v_fastest v_rms\n"
+             "compute flight moving ke\ncompute spin moving erotate/sphere\n"
+             "variable kinetic equal c_flight+c_spin\n"
+             "thermo_style custom step atoms c_strongest v_fastest v_rms v_kinetic f_gravity\n"
              "thermo {}\nthermo_modify lost ignore flush yes\n",
              dt, std::max<int64_t>(1, std::llround(kSample_s / dt)));
 }
 
-// Grains from a file have no contact history: their springs are slack, and slopes would creep until they
-// are loaded again. Rough and damped they load up almost on the spot.
-std::string LoadContacts(const GrainMaterial& m) {
+int64_t LoadSteps(const GrainMaterial& m) {
   constexpr double kLoad_s = 0.04;
+  return std::llround(kLoad_s / m.time_step_s());
+}
+
+// Grains from a file have no contact history: their springs are slack, and slopes would creep until they
+// are loaded again. Rough and damped they load up almost on the spot. The steps go on from there: after
+// a reset LAMMPS takes its old list of pairs for a new one, and stops where a grain of it was lost.
+std::string LoadContacts(const GrainMaterial& m) {
   GrainMaterial rough = m;
   rough.friction = rough.rolling_friction = 10;
   const double drag = 0.2 * m.mass_kg() / (100 * m.time_step_s());
   return Contacts(rough) +
          fmt::format("fix calm moving viscous {:.9g}\nrun {} post no\nunfix calm\n", drag,
-                     std::llround(kLoad_s / m.time_step_s())) +
-         Contacts(m) + "reset_timestep 0\n";
+                     LoadSteps(m)) +
+         Contacts(m);
 }
 
-// Waits in slices until the grains are at rest, at most `seconds`.
+// Waits in slices until the grains are at rest, at most `seconds`. Slices follow each other without a
+// set-up: that would drop lost grains and keep the list of pairs that names them, where LAMMPS stops.
 std::string ComeToRest(const GrainMaterial& m, double seconds) {
   constexpr double kSlice_s = 0.04;
+  const int64_t steps = std::llround(kSlice_s / m.time_step_s());
   return fmt::format(
-      "variable slice loop {}\nlabel wait\nrun {} post no\n"
-      "if \"$(v_rms) < {}\" then \"jump SELF rested\"\nnext slice\njump SELF wait\nlabel rested\n"
+      "run {0} post no\nvariable slice loop {1}\nlabel wait\n"
+      "if \"$(v_rms) < {2}\" then \"jump SELF rested\"\n"
+      "run {0} pre no post no\nnext slice\njump SELF wait\nlabel rested\n"
       "write_dump all custom rest.txt id x y z modify sort id format float %.17g\n",
-      std::max<int64_t>(1, std::llround(seconds / kSlice_s)),
-      std::llround(kSlice_s / m.time_step_s()), kRest_mps);
+      steps, std::max<int64_t>(1, std::llround(seconds / kSlice_s) - 1), kRest_mps);
 }
 
 // The blade as a block that moves by variables of the step: exact contact, and its own velocity counts.
@@ -111,7 +122,7 @@ std::string BladeScript(const DemConfig& c, std::span<const BladeMove> moves) {
   const Blade& b = c.blade;
   std::string text;
   const double dt = c.material.time_step_s();
-  int64_t step = 0;
+  int64_t step = LoadSteps(c.material);
   for (size_t i = 0; i < moves.size(); ++i) {
     const BladeMove& move = moves[i];
     const auto steps = std::max<int64_t>(1, std::llround(move.seconds / dt));
@@ -123,17 +134,23 @@ std::string BladeScript(const DemConfig& c, std::span<const BladeMove> moves) {
     ramp("blade_y", move.from.y_m, move.to.y_m);
     ramp("blade_z", move.from.z_m, move.to.z_m);
     ramp("blade_yaw", move.from.yaw_rad, move.to.yaw_rad);
-    if (i == 0)
+    if (i == 0) {
       text += fmt::format(
           "region blade block {} {} {} {} 0 {} side out move v_blade_x v_blade_y v_blade_z "
           "rotate v_blade_yaw 0 0 0 0 0 1\nfix blade moving wall/gran/region granular {} region "
-          "blade\n",
+          "blade contacts\n",
           -b.thickness_m / 2, b.thickness_m / 2, -b.width_m / 2, b.width_m / 2, kBladeHeight_m,
           ContactLaw(c.material, c.blade_friction));
+      const int64_t means = std::max<int64_t>(1, std::llround(kSample_s / dt / kLoadStride));
+      text += fmt::format(
+          "compute load moving reduce sum f_blade[2] f_blade[3] f_blade[4]\n"
+          "fix load moving ave/time {} {} {} c_load[1] c_load[2] c_load[3] file load.txt\n",
+          kLoadStride, means, kLoadStride * means);
+    }
     text += fmt::format("run {} post no\n", steps);
     step += steps;
   }
-  if (!moves.empty()) text += "unfix blade\n";
+  if (!moves.empty()) text += "unfix load\nuncompute load\nunfix blade\n";
   return text;
 }
 
@@ -161,19 +178,39 @@ void WriteGrains(const DemConfig& c, const DemScene& scene, const std::filesyste
   WriteFileAtomically(file, text);
 }
 
-// Samples and failures from what LAMMPS printed: lines "step atoms force fastest rms".
-void ReadOutput(const GrainMaterial& m, const std::string& output, DemReport& report) {
+// Samples from what LAMMPS printed: lines "step atoms force fastest rms kinetic height".
+void ReadOutput(const GrainMaterial& m, const std::string& output, int64_t first_step,
+                DemReport& report) {
   std::istringstream lines(output);
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
-    double step, atoms, force_n, fastest_mps, rms_mps;
-    if (!(words >> step >> atoms >> force_n >> fastest_mps >> rms_mps) || !(words >> std::ws).eof())
+    int64_t step;
+    double atoms, force_n, fastest_mps, rms_mps, kinetic_j, height_j;
+    if (!(words >> step >> atoms >> force_n >> fastest_mps >> rms_mps >> kinetic_j >> height_j) ||
+        !(words >> std::ws).eof())
       continue;
-    report.simulated_s = step * m.time_step_s();
-    report.deepest_overlap =
-        std::max(report.deepest_overlap, force_n / (m.stiffness_npm() * m.grain_m));
+    const double overlap = force_n / (m.stiffness_npm() * m.grain_m);
+    const double time_s = static_cast<double>(step - first_step) * m.time_step_s();
+    if (time_s >= 0 && (report.samples.empty() || time_s > report.samples.back().time_s))
+      report.samples.push_back({time_s, kinetic_j, height_j, overlap});
+    report.simulated_s = time_s;
+    report.deepest_overlap = std::max(report.deepest_overlap, overlap);
     report.fastest_mps = std::max(report.fastest_mps, fastest_mps);
     report.rest_speed_mps = rms_mps;
+  }
+}
+
+// Lines "step x y z" of the sums over the contacts with the blade.
+void ReadLoads(const GrainMaterial& m, const std::filesystem::path& file, int64_t first_step,
+               DemReport& report) {
+  std::ifstream loads(file);
+  for (std::string line; std::getline(loads, line);) {
+    std::istringstream words(line);
+    int64_t step;
+    double x, y, z;
+    if (words >> step >> x >> y >> z)
+      report.blade_loads.push_back(
+          {static_cast<double>(step - first_step) * m.time_step_s(), -Eigen::Vector3d(x, y, z)});
   }
 }
 
@@ -202,8 +239,9 @@ void ReadRest(const std::filesystem::path& file, DemScene& scene, DemReport& rep
   }
 }
 
-DemReport Run(const DemConfig& config, const std::string& script, DemScene& scene,
-              const std::function<bool()>& stop) {
+// The report counts time from `first_step` on.
+DemReport Run(const DemConfig& config, const std::string& script, int64_t first_step,
+              DemScene& scene, const std::function<bool()>& stop) {
   if (!FindProgram("lmp"))
     throw Error(
         "sand model 'dem' (grains) needs LAMMPS with its package GRANULAR: no program `lmp` on "
@@ -225,7 +263,8 @@ DemReport Run(const DemConfig& config, const std::string& script, DemScene& scen
   if (status != 0 || !std::filesystem::exists(folder.path() / "rest.txt"))
     throw Error(fmt::format("LAMMPS ended with status {}: {}", status, LastError(output)),
                 ErrorKind::kInternal);
-  ReadOutput(config.material, output, report);
+  ReadOutput(config.material, output, first_step, report);
+  ReadLoads(config.material, folder.path() / "load.txt", first_step, report);
   ReadRest(folder.path() / "rest.txt", scene, report);
   return report;
 }
@@ -244,7 +283,7 @@ DemReport SettleGrains(const DemConfig& config, DemScene& scene,
       fmt::format("run {} post no\n", std::llround(kFall_s / config.material.time_step_s())) +
       Contacts(config.material) + "unfix floor\nunfix wallx\nunfix wally\n" +
       Walls(config.material, scene) + ComeToRest(config.material, kSettle_s);
-  return Run(config, script, scene, stop);
+  return Run(config, script, 0, scene, stop);
 }
 
 DemReport RunGrains(const DemConfig& config, std::span<const BladeMove> moves, DemScene& scene,
@@ -252,7 +291,7 @@ DemReport RunGrains(const DemConfig& config, std::span<const BladeMove> moves, D
   return Run(config,
              Preamble(config.material, scene) + LoadContacts(config.material) +
                  BladeScript(config, moves) + ComeToRest(config.material, config.settle_s),
-             scene, stop);
+             LoadSteps(config.material), scene, stop);
 }
 
 }  // namespace sandwright

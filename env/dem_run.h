@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,22 +22,40 @@ struct BladeMove {
   double seconds;
 };
 
+// All grains at one moment. Energies leave out the springs between grains.
+struct DemSample {
+  double time_s;
+  double kinetic_j;        // of translation and spin
+  double height_j;         // of gravity, above the floor
+  double deepest_overlap;  // as in DemReport [1]
+};
+
+// Force of the grains on the blade in frame B, a mean over the 20 ms up to `time_s`.
+struct BladeLoad {
+  double time_s;
+  Eigen::Vector3d force_n;
+};
+
 // What a run found, beside where the grains came to rest.
 struct DemReport {
   int64_t grains_moving = 0, grains_lost = 0;
   double simulated_s = 0, wall_s = 0;
-  double deepest_overlap = 0;  // largest contact force over stiffness and mean diameter [1]
-  double fastest_mps = 0;      // of any grain at any sample
-  double rest_speed_mps = 0;   // rms over the grains at the end
+  double deepest_overlap = 0;          // largest contact force over stiffness and mean diameter [1]
+  double fastest_mps = 0;              // of any grain at any sample
+  double rest_speed_mps = 0;           // rms over the grains at the end
+  std::vector<DemSample> samples;      // every 20 ms from the start of the motion on
+  std::vector<BladeLoad> blade_loads;  // while there is a blade; time 0 is its first move
 };
 
-// Grains that move and grains that hold them, in a box from `low` to `high` [m, along x and y].
+// Grains that move and grains that hold them, in a box from `low` to `high` [m, along x and y]. Grains
+// that pass a side without a wall by 10 mm are lost.
 struct DemScene {
   double low_m[2], high_m[2];
   bool wall_low[2], wall_high[2];  // this side is a wall; elsewhere held grains stand
   std::vector<Grain> grains;
   std::vector<uint8_t> held;                  // [grains] 1 = does not move
   std::vector<Eigen::Vector3d> velocity_mps;  // [grains] at the start; empty: at rest
+  std::optional<double> wall_friction = {};   // of the sides; none: as between grains
 };
 
 // Fills a box: grains on a loose lattice fall and come to rest, first without rolling friction (which

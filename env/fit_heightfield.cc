@@ -126,7 +126,9 @@ Calibration CalibrateHeightfield(const CalibrationConfig& config,
       for (const double factor : {1 + step, 1 / (1 + step)}) {
         const double old = *p.value;
         *p.value = std::clamp(old * factor, p.low, p.high);
-        const CalibrationScore score = *p.value == old ? result.fitted : judge();
+        const bool new_and_allowed =
+            *p.value != old && result.heightfield.loose_deg <= result.heightfield.repose_deg;
+        const CalibrationScore score = new_and_allowed ? judge() : result.fitted;
         if (score.r2_change > result.fitted.r2_change) {
           result.fitted = score;
           improved = true;

@@ -13,7 +13,7 @@ namespace sandwright {
 
 struct CalibrationConfig {
   std::vector<double> cell_sizes_m = {0.01, 0.005, 0.0025};
-  std::vector<std::string> parameters = {"repose_deg", "relaxation_m", "cut.rupture_ratio",
+  std::vector<std::string> parameters = {"loose_deg", "relaxation_m", "cut.rupture_ratio",
                                          "cut.spread", "cut.bite_m"};
   double first_step = 0.3;
   double last_step = 0.02;

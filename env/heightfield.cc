@@ -41,6 +41,9 @@ void GiveBackRounding(const HeightMap& before, const CellRect& rect, HeightMap& 
 Heightfield::Heightfield(HeightfieldConfig config) : config_(config) {
   const FieldList fields = FieldsOf(config);
   LoadJson(fields, ToJson(fields), "heightfield");  // checks the ranges
+  if (config.loose_deg > config.repose_deg)
+    throw Error(fmt::format("heightfield: loose_deg = {:g}; allowed: 5..{:g}, at most repose_deg",
+                            config.loose_deg, config.repose_deg));
 }
 
 std::vector<Outcome> Heightfield::ApplyChecked(std::span<SandState> states,
@@ -63,16 +66,16 @@ Outcome Heightfield::ApplyOne(SandState& state, const ToolPath& path) const {
   const bool floor_known = map.datum == Datum::kFloor;
   const double floor_m = floor_known ? 0 : -std::numeric_limits<double>::infinity();
   BladeCut blade(map, config_.blade, config_.cut, floor_m);
-  Avalanche avalanche(map);
-  const double repose_tan = TanDegrees(config_.repose_deg);
+  const double loose_tan = TanDegrees(config_.loose_deg);
+  Avalanche avalanche(state.map(), map, TanDegrees(config_.repose_deg) / loose_tan);
   avalanche.Disturb(blade.Plunge(poses.front()));
   for (size_t k = 1; k < poses.size(); ++k) {
     avalanche.Disturb(blade.Advance(poses[k - 1], poses[k]));
     const double diffusion_m2 =
         config_.relaxation_m * Travel(poses[k - 1], poses[k], config_.blade);
-    avalanche.Flow(repose_tan, diffusion_m2 / (cell * cell), blade.ClosedFaces(poses[k]));
+    avalanche.Flow(loose_tan, diffusion_m2 / (cell * cell), blade.ClosedFaces(poses[k]));
   }
-  avalanche.Settle(repose_tan);
+  avalanche.Settle(loose_tan);
   outcome.changed = avalanche.touched();
   if (outcome.changed.empty()) return outcome;
 

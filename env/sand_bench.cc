@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "data/base/stop.h"
+#include "env/dem.h"
 #include "env/exact_cases.h"
 #include "env/load_sand_model.h"
 #include "env/score_model.h"
@@ -79,10 +80,30 @@ SandBenchRow ScoreRow(const SandModel& model, const SandBench& bench, double mod
           .rmse_mm = total.rmse_mean_mm,
           .mae_mm = total.mae_mm,
           .r2_change = total.r2_change,
-          .volume_drift_rel = total.volume_drift_rel};
+          .volume_drift_rel = total.volume_drift_rel,
+          .strokes_failed = report.strokes_failed};
 }
 
 }  // namespace
+
+nlohmann::json SandBenchRow::ToJson() const {
+  nlohmann::json json = {{"name", name},
+                         {"threads", threads},
+                         {"batch", batch},
+                         {"cell_size_m", cell_size_m},
+                         {"ms_per_stroke", ms_per_stroke}};
+  const auto add = [&](const char* key, const std::optional<double>& value) {
+    if (value) json[key] = *value;
+  };
+  add("rmse_mm", rmse_mm);
+  add("mae_mm", mae_mm);
+  add("rmse_cells", rmse_cells);
+  add("max_cells", max_cells);
+  add("r2_change", r2_change);
+  add("volume_drift_rel", volume_drift_rel);
+  if (r2_change) json["strokes_failed"] = strokes_failed;
+  return json;
+}
 
 void RunSandBench(const SandBench& bench, const std::function<void(const SandBenchRow&)>& done) {
   const HeightfieldConfig& config = bench.heightfield;
@@ -99,6 +120,17 @@ void RunSandBench(const SandBench& bench, const std::function<void(const SandBen
   for (const double cell_size_m : {0.01, 0.005, 0.0025, 0.00125})
     done(ScoreRow(Heightfield(config), bench, cell_size_m));
   done(ScoreRow(*LoadSandModel("default", {}), bench, 0));
+}
+
+void RunGrainSizes(const SandBench& bench, const std::function<void(const SandBenchRow&)>& done) {
+  if (bench.data.empty()) return;
+  for (const double grain_m : {0.010, 0.008}) {
+    DemConfig config = bench.dem;
+    config.material.grain_m = grain_m;
+    SandBenchRow row = ScoreRow(Dem(config), bench, 0.002);
+    row.name += fmt::format(", grains of {:g} mm", 1e3 * grain_m);
+    done(row);
+  }
 }
 
 }  // namespace sandwright

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "env/dem_config.h"
 #include "env/heightfield.h"
 
 namespace sandwright {
@@ -20,10 +22,14 @@ struct SandBenchRow {
   std::optional<double> rmse_mm = {}, mae_mm = {};              // where there is a truth
   std::optional<double> rmse_cells = {}, max_cells = {};        // of exact cases
   std::optional<double> r2_change = {}, volume_drift_rel = {};  // of recorded strokes
+  int strokes_failed = 0;                                       // of those: ScoreReport
+
+  nlohmann::json ToJson() const;  // the fields that there are, by their names
 };
 
 struct SandBench {
   HeightfieldConfig heightfield;
+  DemConfig dem;
   int threads = 1;
   std::vector<std::filesystem::path> data;  // stroke files; empty: no errors on strokes
 };
@@ -32,5 +38,9 @@ struct SandBench {
 // recorded strokes, nothing changes, heightfield by cell size and the shipped surrogate. Each row is
 // given to `done` as it comes. Ctrl-C throws kInterrupted.
 void RunSandBench(const SandBench& bench, const std::function<void(const SandBenchRow&)>& done);
+
+// Recorded strokes through coarse grains of 10 and 8 mm, one packing each (LAMMPS, up to a minute
+// a stroke). Nothing without data.
+void RunGrainSizes(const SandBench& bench, const std::function<void(const SandBenchRow&)>& done);
 
 }  // namespace sandwright

@@ -35,8 +35,9 @@ struct ScoreReport {
   double cell_size_m = 0, model_cell_size_m = 0;
   double floor_mm = 0;
   std::string floor_source;  // "given", "replicates", "none in the data"
-  double ms_per_stroke = 0;  // one stroke at a time, from height map and path to height map
+  double ms_per_stroke = 0;  // one stroke at a time, from bed and path to height map
   std::vector<StrokeScore> strokes;
+  int strokes_failed = 0;                 // left out: the model lost grains in them
   bool stopped = false;                   // by Ctrl-C, before the last stroke
   std::map<int, double> accrued_rmse_mm;  // with rollout: see ScoreModel
   // With paper: means over strokes (the mode for the RMSE), on the paper's crop.
@@ -54,7 +55,8 @@ struct ScoreReport {
 //
 // Error: a file without strokes, a blade other than the model's, cells that do not divide the map,
 // a replicate of a group that the file does not hold. After Ctrl-C the report is over the strokes
-// so far; it throws kInterrupted where there are none.
+// so far; it throws kInterrupted where there are none. A stroke in which model `dem` loses grains is
+// left out and counted; in a rollout, and where nothing is left, that is an Error.
 ScoreReport ScoreModel(const SandModel& model, std::span<const std::filesystem::path> files,
                        const ScoreConfig& config);
 

@@ -169,7 +169,7 @@ TEST(Avalanche, KeepsTheSymmetriesOfTheSquareBitForBit) {
 TEST(Avalanche, SandNobodyTouchedLiesAsItIs) {
   HeightMap map = Make(40, 40, [](double x, double) { return x < 0 ? 40 : 10; });
   const HeightMap before = map;
-  Avalanche avalanche(map);
+  Avalanche avalanche(before, map, 1);
   avalanche.Settle(kTan);
   EXPECT_EQ(map.height_m, before.height_m);
   const std::vector<size_t> toe = {map.Index(20, 20)};
@@ -186,7 +186,7 @@ TEST(Avalanche, NoSandPassesClosedFaces) {
   for (int row = 0; row < 10; ++row) wall.push_back({row, 9, true});
   for (size_t i = 0; i < map.size(); ++i) all.push_back(i);
   const HeightMap before = map;
-  Avalanche avalanche(map);
+  Avalanche avalanche(before, map, 1);
   avalanche.Disturb(all);
   avalanche.Flow(kTan, 10, wall);
   EXPECT_EQ(map.height_m, before.height_m);

@@ -86,7 +86,9 @@ TEST(HeightfieldStability, ABladeThroughACliff) {
 
 TEST(HeightfieldStability, DeepCutsReachTheFloorAndNoFurther) {
   const HeightMap bed(60, 60, 0.005, 0.04f);
-  const HeightMap after = Apply(bed, Line(0.08, 0.15, 0.22, 0.15, 0, 0));
+  HeightfieldConfig config;
+  config.loose_deg = config.repose_deg;
+  const HeightMap after = Apply(bed, Line(0.08, 0.15, 0.22, 0.15, 0, 0), config);
   ExpectSane(bed, after, "to the floor");
   EXPECT_LT(HeightAt(after, 0.15, 0.15),
             0.017);  // the flanks slump into a cut that is deeper than wide
@@ -114,27 +116,12 @@ TEST(HeightfieldStability, AWholeBoxOnMillimetreCells) {
   EXPECT_LT(HeightAt(after, 0.58, 0.405), 0.045);
 }
 
-// Strokes of the excavation routine, one after another, on beds of several grids.
 TEST(HeightfieldStability, RandomStrokesNeverBreakABed) {
-  constexpr int kStrokes = 1500, kPerBed = 50;
-  const Heightfield model;
-  for (int first = 0, bed = 0; first < kStrokes; first += kPerBed, ++bed) {
-    RandomStream stream(7, StreamId("stability"), static_cast<uint64_t>(bed));
-    const double cell_m = bed % 3 == 0 ? 0.005 : bed % 3 == 1 ? 0.01 : 0.02;
-    const int cells = static_cast<int>(std::lround(0.4 / cell_m));
-    const HeightMap start =
-        GenerateTerrain({.amplitude_m = 0.015}, cells, cells + 10, cell_m, stream);
-    SandState state(start);
-    for (int k = 0; k < kPerBed; ++k) {
-      const Stroke stroke =
-          DrawStroke({.floor_margin_m = 0, .deepest_m = 0.06}, state.map(), stream);
-      const HeightMap before = state.map();
-      model.Apply(std::span(&state, 1), std::span(&stroke, 1));
-      ExpectSane(before, state.map(),
-                 "bed " + std::to_string(bed) + " stroke " + std::to_string(k));
-      EXPECT_LT(SteepestFace(state.map()), kTan * kAtRest) << bed << " " << k;
-    }
-  }
+  const auto run = [](int threads) { return RunRandomStrokes({}, 1600, 7, threads, [](auto&) {}); };
+  const RandomStrokeTally tally = run(2);
+  EXPECT_TRUE(tally.sound()) << tally.ToJson().dump(1);
+  EXPECT_EQ(tally.strokes, 1600);
+  EXPECT_GT(tally.limited, 100);
 }
 
 }  // namespace

@@ -8,8 +8,13 @@
 #include <numbers>
 
 #include "data/height_map.h"
+#include "env/random_strokes.h"
 
 namespace sandwright {
+
+// Two strokes that are one another's mirror image part by the rounding of float, some thousand times larger
+// where sand is just about to flow: two thousandths of a cell.
+constexpr double kRounding_m = 1e-5;
 
 inline double Volume(const HeightMap& map) {
   double sum = 0;
@@ -29,28 +34,6 @@ inline double LargestDifference(const HeightMap& a, const HeightMap& b) {
   for (size_t i = 0; i < a.size(); ++i)
     largest = std::max(largest, std::abs(static_cast<double>(a.height_m[i]) - b.height_m[i]));
   return largest;
-}
-
-// Largest slope at a face [rise over run]: the difference across it, and the mean of the four
-// one-sided differences beside it; walls are level.
-inline double SteepestFace(const HeightMap& map) {
-  const auto at = [&](int row, int column) {
-    return static_cast<double>(
-        map.At(std::clamp(row, 0, map.rows - 1), std::clamp(column, 0, map.columns - 1)));
-  };
-  double steepest = 0;
-  for (int row = 0; row < map.rows; ++row) {
-    for (int column = 0; column < map.columns; ++column) {
-      const auto slope = [&](int dr, int dc) {
-        const auto across = [&](int r, int c) { return at(r + dc, c + dr) - at(r - dc, c - dr); };
-        return std::hypot(at(row + dr, column + dc) - at(row, column),
-                          (across(row, column) + across(row + dr, column + dc)) / 4);
-      };
-      if (column + 1 < map.columns) steepest = std::max(steepest, slope(0, 1));
-      if (row + 1 < map.rows) steepest = std::max(steepest, slope(1, 0));
-    }
-  }
-  return steepest / map.cell_size_m;
 }
 
 // Finite, not below the floor, volume kept to a millionth.
