@@ -1,5 +1,6 @@
 #include "env/fit_surrogate.h"
 
+#include <ATen/Parallel.h>
 #include <torch/nn/utils/clip_grad.h>
 #include <torch/optim/adamw.h>
 
@@ -273,7 +274,7 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
   const FitStrokes validation_strokes = ReadFitStrokes(request.validation, config.surrogate),
                    data = ReadFitStrokes(request.data, config.surrogate);
   CheckBeds(data, validation_strokes);
-  torch::set_num_threads(request.threads);
+  at::set_num_threads(request.threads);
   const std::vector<FitSample> validation = RecordedSamples(validation_strokes, config.surrogate);
 
   FitReport report;

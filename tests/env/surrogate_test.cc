@@ -307,7 +307,8 @@ TEST(SurrogateEncoding, TurnsWithTheSquare) {
   const ToolPath path = SamplePath(Curve(), 0.002);
   std::vector<SandState> state{SandState(bed)};
   Heightfield(config.heightfield).Apply(state, std::span(&path, 1));
-  FitSample sample{"", EncodeStroke(bed, state[0].map(), path, Blade{}, 1, kReach_m), {}, {}};
+  FitSample sample;
+  sample.input = EncodeStroke(bed, state[0].map(), path, Blade{}, 1, kReach_m);
   sample.target.assign(static_cast<size_t>(sample.input.rows * sample.input.columns), 0);
   sample.weight = sample.target;
   const double side = bed.width_m(), pi = std::acos(-1);
