@@ -18,6 +18,8 @@ class FitCommand final : public Command {
     app.add_option("--validation", validation_,
                    "stroke files or folders of other beds: early stopping, held-out figures");
     app.add_option("--init", init_, "start from this surrogate")->check(CLI::ExistingFile);
+    app.add_flag("--resume", resume_,
+                 "go on with an interrupted fit of a surrogate, kept beside --out as OUT.state");
     app.add_option("--out", out_, "what to write: surrogate (.safetensors) or heightfield (.yaml)")
         ->required();
   }
@@ -34,6 +36,8 @@ class FitCommand final : public Command {
     if (model_ == "heightfield" && !init_.empty())
       throw Error("--init " + init_ +
                   ": a heightfield starts from the keys calibration.heightfield");
+    if (resume_ && (model_ == "heightfield" || !init_.empty()))
+      throw Error("--resume goes on with a surrogate's fit, as it began: without --init");
     { const AtomicFile probe(out_); }  // says so before the work where it cannot be written
     return model_ == "surrogate" ? Train() : Calibrate();
   }
@@ -46,15 +50,18 @@ class FitCommand final : public Command {
     if (!init_.empty()) request.init = init_;
     request.seed = seed();
     request.threads = threads();
+    request.state = out_ + ".state";
+    request.resume = resume_;
     const FitReport report = FitSurrogate(config_, request);
     WriteSafetensors(report.model, out_);
+    if (!report.stopped) std::filesystem::remove(*request.state);
     nlohmann::json json = report.ToJson();
     json["out"] = out_;
     std::printf("%s: %d strokes, best of %d epochs is %d, training RMSE %.2f mm", out_.c_str(),
                 report.strokes, report.epochs, report.best_epoch, report.train_rmse_mm);
     if (report.validation_rmse_mm)
-      std::printf(", validation RMSE %.2f mm (heightfield %.2f mm)", *report.validation_rmse_mm,
-                  *report.validation_heightfield_rmse_mm);
+      std::printf(", validation RMSE %.2f mm (%.2f mm without the net)", *report.validation_rmse_mm,
+                  *report.validation_start_rmse_mm);
     std::printf("\n");
     WriteResult(json);
     return report.stopped ? 130 : 0;
@@ -85,6 +92,7 @@ class FitCommand final : public Command {
 
   std::vector<std::string> data_, validation_;
   std::string init_, out_, model_ = "surrogate";
+  bool resume_ = false;
   FitConfig config_;
   CalibrationConfig calibration_;
 };

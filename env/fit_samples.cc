@@ -6,32 +6,106 @@
 #include <cmath>
 
 #include "data/base/atomic_file.h"
-#include "data/base/parallel.h"
 #include "data/base/sha256.h"
-#include "data/stroke_dataset.h"
 
 namespace sandwright {
 namespace {
 
-FitSample MakeSample(const StrokeRecord& record, const Heightfield& heightfield,
-                     const SurrogateConfig& model, const std::string& name) {
-  const Blade& blade = heightfield.blade();
+void CheckRecord(const StrokeRecord& record, const SurrogateConfig& model,
+                 const std::string& name) {
+  const Blade& blade = model.heightfield.blade;
   if (std::abs(record.blade.width_m - blade.width_m) > 1e-6 ||
       std::abs(record.blade.thickness_m - blade.thickness_m) > 1e-6)
     throw Error(fmt::format("{}: the blade is {} x {} m; the model is for {} x {} m", name,
                             record.blade.width_m, record.blade.thickness_m, blade.width_m,
                             blade.thickness_m));
-  const HeightMap before = Resample(record.before, model.cell_size_m);
-  const HeightMap truth = Resample(record.after, model.cell_size_m);
-  std::vector<SandState> state{SandState(before)};
-  heightfield.Apply(state, std::span(&record.path, 1));
-  const HeightMap& predicted = state.front().map();
+  Resample(record.before, model.cell_size_m);  // says where the cells do not divide the map
+}
 
-  FitSample sample{
-      name,
-      EncodeStroke(before, predicted, record.path, blade, model.net.multiple(), model.reach_m),
-      {},
-      {}};
+bool Unmoved(const Placement& p) { return p.turn_rad == 0 && p.shift_x_m == 0 && p.shift_y_m == 0; }
+
+bool Seen(const HeightMap& map, size_t cell) { return map.valid.empty() || map.valid[cell] != 0; }
+
+}  // namespace
+
+FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files,
+                          const SurrogateConfig& model) {
+  FitStrokes result;
+  for (const auto& path : files) {
+    StrokeFile file = ReadStrokeFile(path);
+    result.beds.insert(file.bed);
+    result.sha256[path.filename().string()] = Sha256Hex(ReadFile(path));
+    for (size_t i = 0; i < file.strokes.size(); ++i) {
+      StrokeRecord& record = file.strokes[i];
+      const std::string name = fmt::format("{}, stroke {}", path.string(), i);
+      CheckRecord(record, model, name);
+      size_t behind = 0;
+      if (i > 0 && record.sequence == result.strokes.back().record.sequence &&
+          record.step == result.strokes.back().record.step + 1)
+        behind = result.strokes.back().behind + 1;
+      result.strokes.push_back({name, std::move(record), behind});
+    }
+  }
+  if (!files.empty() && result.strokes.empty()) throw Error("the stroke files hold no stroke");
+  return result;
+}
+
+HeightMap Place(const HeightMap& map, const Placement& placement, double cell_size_m) {
+  HeightMap placed = Resample(map, cell_size_m);
+  if (Unmoved(placement)) return placed;
+  if (placed.valid.empty()) placed.valid.assign(placed.size(), 1);
+  const double c = std::cos(placement.turn_rad), s = std::sin(placement.turn_rad);
+  const double middle_x_m = map.width_m() / 2, middle_y_m = map.depth_m() / 2;
+  const int parts = std::max(static_cast<int>(std::lround(cell_size_m / map.cell_size_m)), 1);
+  for (int row = 0; row < placed.rows; ++row) {
+    for (int column = 0; column < placed.columns; ++column) {
+      double sum_m = 0;
+      bool seen = true;
+      for (int part = 0; part < parts * parts; ++part) {
+        const double x_m = (column + (part % parts + 0.5) / parts) * cell_size_m -
+                           placement.shift_x_m - middle_x_m;
+        const double y_m =
+            (row + (part / parts + 0.5) / parts) * cell_size_m - placement.shift_y_m - middle_y_m;
+        const double from_x_m = c * x_m + s * y_m + middle_x_m;
+        const double from_y_m = c * y_m - s * x_m + middle_y_m;
+        sum_m += HeightAt(map, from_x_m, from_y_m);
+        const int i = static_cast<int>(std::floor(from_x_m / map.cell_size_m)),
+                  j = static_cast<int>(std::floor(from_y_m / map.cell_size_m));
+        seen = seen && i >= 0 && j >= 0 && i < map.columns && j < map.rows &&
+               Seen(map, map.Index(j, i));
+      }
+      const size_t cell = placed.Index(row, column);
+      placed.height_m[cell] = static_cast<float>(sum_m / (parts * parts));
+      placed.valid[cell] = seen;
+    }
+  }
+  return placed;
+}
+
+ToolPath Place(const ToolPath& path, const Placement& placement, const HeightMap& map) {
+  const double c = std::cos(placement.turn_rad), s = std::sin(placement.turn_rad);
+  ToolPath placed = path;
+  for (BladePose& pose : placed) {
+    const double x_m = pose.x_m - map.width_m() / 2, y_m = pose.y_m - map.depth_m() / 2;
+    pose.x_m = c * x_m - s * y_m + map.width_m() / 2 + placement.shift_x_m;
+    pose.y_m = s * x_m + c * y_m + map.depth_m() / 2 + placement.shift_y_m;
+    pose.yaw_rad += placement.turn_rad;
+  }
+  return placed;
+}
+
+FitSample MakeFitSample(const std::string& name, const HeightMap& before, const HeightMap& truth,
+                        const ToolPath& path, const SurrogateConfig& model) {
+  std::vector<SandState> state{SandState(before)};
+  if (model.net.uses_heightfield())
+    Heightfield(model.heightfield).Apply(state, std::span(&path, 1));
+  const HeightMap& start = state.front().map();
+  FitSample sample{name,
+                   start,
+                   EncodeStroke(before, start, path, model.heightfield.blade, model.net.multiple(),
+                                model.reach_m),
+                   {},
+                   {}};
   const CellRect& window = sample.input.window;
   if (window.empty()) throw Error(name + ": the path lies outside the box");
   sample.target.assign(static_cast<size_t>(sample.input.rows * sample.input.columns), 0.0f);
@@ -39,40 +113,15 @@ FitSample MakeSample(const StrokeRecord& record, const Heightfield& heightfield,
   for (int row = window.row0; row < window.row1; ++row) {
     for (int column = window.column0; column < window.column1; ++column) {
       const size_t cell = before.Index(row, column);
-      if ((!before.valid.empty() && !before.valid[cell]) ||
-          (!truth.valid.empty() && !truth.valid[cell]))
-        continue;
+      if (!Seen(before, cell) || !Seen(truth, cell)) continue;
       const auto at =
           static_cast<size_t>((row - window.row0) * sample.input.columns + column - window.column0);
       sample.target[at] = static_cast<float>(
-          (static_cast<double>(truth.height_m[cell]) - predicted.height_m[cell]) /
-          kResidualScale_m);
+          (static_cast<double>(truth.height_m[cell]) - start.height_m[cell]) / kResidualScale_m);
       sample.weight[at] = 1;
     }
   }
   return sample;
-}
-
-}  // namespace
-
-FitSamples ReadFitSamples(const std::vector<std::filesystem::path>& files,
-                          const SurrogateConfig& model, int threads) {
-  const Heightfield heightfield(model.heightfield);
-  FitSamples result;
-  for (const auto& path : files) {
-    const StrokeFile file = ReadStrokeFile(path);
-    result.beds.insert(file.bed);
-    result.sha256[path.filename().string()] = Sha256Hex(ReadFile(path));
-    std::vector<FitSample> samples(file.strokes.size());
-    ParallelFor(static_cast<int>(samples.size()), threads, [&](int index) {
-      const auto i = static_cast<size_t>(index);
-      samples[i] = MakeSample(file.strokes[i], heightfield, model,
-                              fmt::format("{}, stroke {}", path.string(), i));
-    });
-    std::ranges::move(samples, std::back_inserter(result.samples));
-  }
-  if (!files.empty() && result.samples.empty()) throw Error("the stroke files hold no stroke");
-  return result;
 }
 
 FitSample ApplySymmetry(const FitSample& sample, int symmetry) {

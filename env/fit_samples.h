@@ -7,32 +7,56 @@
 #include <string>
 #include <vector>
 
+#include "data/stroke_dataset.h"
 #include "env/surrogate.h"
 #include "env/surrogate_encoding.h"
 
 namespace sandwright {
 
-// One stroke: what the net sees and what it should say, in units of kResidualScale_m.
-struct FitSample {
-  std::string name;  // file and stroke, for messages
-  SurrogateInput input;
-  std::vector<float> target;  // [rows, columns] truth less the heightfield's prediction
-  std::vector<float> weight;  // [rows, columns] 1 = counts, 0 = padded or not seen by the camera
+struct FitStroke {
+  std::string name;     // file and stroke, for messages
+  StrokeRecord record;  // on its own cells
+  size_t behind = 0;    // strokes of the same sequence that lie right before it in the list
 };
 
-struct FitSamples {
-  std::vector<FitSample> samples;
+struct FitStrokes {
+  std::vector<FitStroke> strokes;
   std::set<std::string> beds;
   std::map<std::string, std::string> sha256;  // of each file, by its name
 };
 
-// Reads stroke files, brings the maps to the model's cells and runs its heightfield on each stroke.
 // Error: no stroke, another blade than the model's, cells that do not divide a map.
-FitSamples ReadFitSamples(const std::vector<std::filesystem::path>& files,
-                          const SurrogateConfig& model, int threads);
+FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files,
+                          const SurrogateConfig& model);
+
+// How a bed is laid under the model's grid: turned about its middle, then shifted.
+struct Placement {
+  double turn_rad = 0, shift_x_m = 0, shift_y_m = 0;
+};
+
+// The map on cells of another size under `placement`, the walls where they were: means over points
+// as dense as the map's cells. Cells that then lie beyond the bed hold the nearest height and are
+// marked as not seen. Without turn and shift it is Resample.
+HeightMap Place(const HeightMap& map, const Placement& placement, double cell_size_m);
+// A path on that bed.
+ToolPath Place(const ToolPath& path, const Placement& placement, const HeightMap& map);
+
+// One stroke: what the net sees and what it should say, in units of kResidualScale_m.
+struct FitSample {
+  std::string name;
+  HeightMap start;  // what the net's change is added to
+  SurrogateInput input;
+  std::vector<float> target;  // [rows, columns] truth less `start`
+  std::vector<float> weight;  // [rows, columns] 1 = counts, 0 = padded or not seen by the camera
+};
+
+// `before` and `truth` are on the model's cells. Runs the model's heightfield where it has one. Error
+// where the path lies outside the box.
+FitSample MakeFitSample(const std::string& name, const HeightMap& before, const HeightMap& truth,
+                        const ToolPath& path, const SurrogateConfig& model);
 
 // A copy under symmetry 0..7 of the square: bit 0 mirrors x, bit 1 mirrors y, bit 2 swaps x and y
-// (after the mirrors). 0 changes nothing.
+// (after the mirrors). 0 changes nothing. `start` stays as it was.
 FitSample ApplySymmetry(const FitSample& sample, int symmetry);
 
 }  // namespace sandwright

@@ -1,8 +1,11 @@
 #include "env/fit_surrogate.h"
 
-#include <torch/torch.h>
+#include <ATen/Parallel.h>
+#include <torch/nn/utils/clip_grad.h>
+#include <torch/optim/adamw.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <iomanip>
 #include <numbers>
@@ -13,127 +16,15 @@
 #include "data/base/random.h"
 #include "data/base/stop.h"
 #include "env/fit_samples.h"
+#include "env/surrogate_paste.h"
+#include "env/training_net.h"
+#include "env/training_range.h"
 
 namespace sandwright {
 namespace {
 
 constexpr double kResidualScale_mm = kResidualScale_m * 1e3;
-
-// The net of surrogate_net.h with gradients.
-class TrainingNet {
- public:
-  // He's initialisation; the head starts at zero, so that training starts from the heightfield.
-  TrainingNet(const SurrogateNetConfig& config, RandomStream stream)
-      : poolings_(static_cast<int>(config.poolings)),
-        patch_(config.patch_cells),
-        shapes_(SurrogateLayers(config)) {
-    for (const ConvShape& shape : shapes_) {
-      auto weight = torch::zeros({shape.out, shape.in, shape.size, shape.size});
-      const double deviation =
-          shape.name == "head" ? 0 : std::sqrt(2.0 / (shape.in * shape.size * shape.size));
-      float* values = weight.data_ptr<float>();
-      for (int64_t i = 0; i < weight.numel(); ++i)
-        values[i] = static_cast<float>(deviation * stream.Normal());
-      parameters_.push_back(weight.set_requires_grad(true));
-      parameters_.push_back(torch::zeros({shape.out}).set_requires_grad(true));
-    }
-  }
-
-  const std::vector<torch::Tensor>& parameters() const { return parameters_; }
-
-  // channels [N, C, H, W], active [N, 1, H, W] of zeros and ones -> [N, H, W]
-  torch::Tensor Forward(const torch::Tensor& channels, const torch::Tensor& active) const {
-    size_t next = 0;
-    const auto convolve = [&](const torch::Tensor& x) {
-      const size_t at = 2 * next++;
-      return torch::conv2d(x, parameters_[at], parameters_[at + 1], 1,
-                           (shapes_[at / 2].size - 1) / 2);
-    };
-    const auto block = [&](torch::Tensor x, const torch::Tensor& mask) {
-      x = torch::relu(convolve(x)) * mask;
-      return torch::relu(convolve(x)) * mask;
-    };
-    std::vector<torch::Tensor> skips, masks{torch::max_pool2d(active, patch_)};
-    torch::Tensor x = torch::pixel_unshuffle(channels, patch_) * masks[0];
-    for (int level = 0; level < poolings_; ++level) {
-      skips.push_back(block(x, masks.back()));
-      masks.push_back(torch::max_pool2d(masks.back(), 2));
-      x = torch::avg_pool2d(skips.back(), 2);
-    }
-    x = block(x, masks.back());
-    for (int level = poolings_ - 1; level >= 0; --level) {
-      x = x.repeat_interleave(2, 2).repeat_interleave(2, 3);
-      const torch::Tensor& mask = masks[static_cast<size_t>(level)];
-      x = block(torch::cat({skips[static_cast<size_t>(level)], x * mask}, 1), mask);
-    }
-    return (torch::pixel_shuffle(convolve(x), patch_) * active).squeeze(1);
-  }
-
-  void Save(Safetensors& file) const {
-    const auto store = [&](const std::string& name, const torch::Tensor& tensor) {
-      const torch::Tensor flat = tensor.detach().contiguous();
-      file.tensors[name] = {flat.sizes().vec(),
-                            {flat.data_ptr<float>(), flat.data_ptr<float>() + flat.numel()}};
-    };
-    for (size_t i = 0; i < shapes_.size(); ++i) {
-      store(shapes_[i].name + ".weight", parameters_[2 * i]);
-      store(shapes_[i].name + ".bias", parameters_[2 * i + 1]);
-    }
-  }
-
-  // Error where a tensor is missing or has another shape.
-  void Load(const Safetensors& file, const std::string& source) {
-    const torch::NoGradGuard no_grad;
-    for (size_t i = 0; i < parameters_.size(); ++i) {
-      const std::string name = shapes_[i / 2].name + (i % 2 == 0 ? ".weight" : ".bias");
-      const NamedTensor& tensor = file.Tensor(name, source);
-      if (tensor.shape != parameters_[i].sizes().vec())
-        throw Error(source + ": tensor " + name + " has another shape than the configured net");
-      std::ranges::copy(tensor.values, parameters_[i].data_ptr<float>());
-    }
-  }
-
- private:
-  int poolings_;
-  int64_t patch_;
-  std::vector<ConvShape> shapes_;
-  std::vector<torch::Tensor> parameters_;  // weight, bias of each layer
-};
-
-struct Batch {
-  torch::Tensor channels, active;  // [N, C, H, W], [N, 1, H, W]
-  torch::Tensor target, weight;    // [N, H, W]
-};
-
-// Samples side by side, padded with zeros to the largest.
-Batch Collate(const std::vector<FitSample>& samples) {
-  int rows = 0, columns = 0;
-  for (const FitSample& s : samples)
-    rows = std::max(rows, s.input.rows), columns = std::max(columns, s.input.columns);
-  const auto count = static_cast<int64_t>(samples.size());
-  Batch batch{torch::zeros({count, kSurrogateChannelCount, rows, columns}),
-              torch::zeros({count, 1, rows, columns}), torch::zeros({count, rows, columns}),
-              torch::zeros({count, rows, columns})};
-  const auto place = [](const std::vector<float>& values, torch::Tensor to, const FitSample& s) {
-    const auto from =
-        torch::from_blob(const_cast<float*>(values.data()),
-                         {static_cast<int64_t>(values.size()) / (s.input.rows * s.input.columns),
-                          s.input.rows, s.input.columns});
-    to.view({-1, to.size(-2), to.size(-1)})
-        .narrow(1, 0, s.input.rows)
-        .narrow(2, 0, s.input.columns)
-        .copy_(from);
-  };
-  for (size_t i = 0; i < samples.size(); ++i) {
-    const auto n = static_cast<int64_t>(i);
-    const std::vector<float> active(samples[i].input.active.begin(), samples[i].input.active.end());
-    place(samples[i].input.channels, batch.channels[n], samples[i]);
-    place(active, batch.active[n], samples[i]);
-    place(samples[i].target, batch.target[n], samples[i]);
-    place(samples[i].weight, batch.weight[n], samples[i]);
-  }
-  return batch;
-}
+constexpr double kStateInterval_s = 20;  // between two writes of the state
 
 // Squared errors in net units and the cells they were taken over.
 struct ErrorSum {
@@ -145,16 +36,16 @@ ErrorSum Evaluate(const TrainingNet& net, const std::vector<FitSample>& samples)
   const torch::NoGradGuard no_grad;
   ErrorSum sum;
   for (const FitSample& sample : samples) {
-    const Batch batch = Collate({sample});
-    const auto error = (net.Forward(batch.channels, batch.active) - batch.target) * batch.weight;
+    const FitBatch batch(net.config(), {sample});
+    const auto error = (net.Forward(batch) - batch.target) * batch.weight;
     sum.squared += error.square().sum().item<double>();
     sum.cells += batch.weight.sum().item<double>();
   }
   return sum;
 }
 
-// The error of adding nothing to the heightfield.
-ErrorSum HeightfieldError(const std::vector<FitSample>& samples) {
+// The error of a net that says nothing.
+ErrorSum StartError(const std::vector<FitSample>& samples) {
   ErrorSum sum;
   for (const FitSample& sample : samples) {
     for (size_t i = 0; i < sample.target.size(); ++i) {
@@ -165,24 +56,35 @@ ErrorSum HeightfieldError(const std::vector<FitSample>& samples) {
   return sum;
 }
 
+// As they were recorded.
+std::vector<FitSample> RecordedSamples(const FitStrokes& strokes, const SurrogateConfig& model) {
+  std::vector<FitSample> samples;
+  for (const FitStroke& s : strokes.strokes)
+    samples.push_back(MakeFitSample(s.name, Place(s.record.before, {}, model.cell_size_m),
+                                    Place(s.record.after, {}, model.cell_size_m), s.record.path,
+                                    model));
+  return samples;
+}
+
 class Trainer {
  public:
-  Trainer(const FitConfig& config, const FitRequest& request, std::vector<FitSample> samples)
+  Trainer(const FitConfig& config, uint64_t seed, const std::vector<FitStroke>& strokes)
       : config_(config),
-        samples_(std::move(samples)),
-        stream_(request.seed, StreamId("fit.order")),
-        net_(config.surrogate.net, RandomStream(request.seed, StreamId("fit.parameters"))),
+        seed_(seed),
+        strokes_(strokes),
+        net_(config.surrogate.net, RandomStream(seed, StreamId("fit.parameters"))),
         optimiser_(
             net_.parameters(),
             torch::optim::AdamWOptions(config.learning_rate).weight_decay(config.weight_decay)) {}
 
   TrainingNet& net() { return net_; }
 
-  // One pass over all samples; false when a stop was requested in the middle.
+  // One pass over all strokes; false when a stop was requested in the middle.
   bool RunEpoch(int epoch, ErrorSum& error) {
-    std::vector<size_t> order(samples_.size());
+    RandomStream stream(seed_, StreamId("fit.order"), static_cast<uint64_t>(epoch));
+    std::vector<size_t> order(strokes_.size());
     std::iota(order.begin(), order.end(), size_t{0});
-    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[stream_.Index(i)]);
+    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[stream.Index(i)]);
     const size_t size = static_cast<size_t>(config_.batch_size);
     const size_t batches = (order.size() + size - 1) / size;
     for (size_t b = 0; b < batches; ++b) {
@@ -193,21 +95,94 @@ class Trainer {
           .lr(config_.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * done)));
       std::vector<FitSample> chosen;
       for (size_t i = b * size; i < std::min(order.size(), (b + 1) * size); ++i)
-        chosen.push_back(ApplySymmetry(samples_[order[i]], static_cast<int>(stream_.Index(8))));
+        chosen.push_back(Draw(order[i], stream));
       Step(epoch, b, chosen, error);
     }
     return true;
   }
 
+  // Parameters and the optimiser's moments. Load: after at least one step was saved.
+  void Save(Safetensors& state) {
+    net_.Save(state);
+    for (size_t i = 0; i < net_.parameters().size(); ++i) {
+      const auto& moments = Moments(i);
+      state.tensors["adam.mean." + std::to_string(i)] = ToNamed(moments.exp_avg());
+      state.tensors["adam.square." + std::to_string(i)] = ToNamed(moments.exp_avg_sq());
+      state.metadata["adam_steps"] = std::to_string(moments.step());
+    }
+  }
+  void Load(const Safetensors& state, const std::string& source) {
+    net_.Load(state, source);
+    for (size_t i = 0; i < net_.parameters().size(); ++i) {
+      const torch::Tensor& parameter = net_.parameters()[i];
+      const auto take = [&](const std::string& name) {
+        const NamedTensor& tensor = state.Tensor(name + std::to_string(i), source);
+        if (tensor.shape != parameter.sizes().vec())
+          throw Error(source + ": tensor " + name + std::to_string(i) + " has another shape");
+        torch::Tensor copy = torch::zeros(parameter.sizes());
+        std::ranges::copy(tensor.values, copy.data_ptr<float>());
+        return copy;
+      };
+      auto moments = std::make_unique<torch::optim::AdamWParamState>();
+      moments->step(std::stoll(state.Metadata("adam_steps", source)));
+      moments->exp_avg(take("adam.mean."));
+      moments->exp_avg_sq(take("adam.square."));
+      optimiser_.state()[parameter.unsafeGetTensorImpl()] = std::move(moments);
+    }
+  }
+
  private:
+  const torch::optim::AdamWParamState& Moments(size_t i) {
+    return static_cast<const torch::optim::AdamWParamState&>(
+        *optimiser_.state().at(net_.parameters()[i].unsafeGetTensorImpl()));
+  }
+
+  // Stroke `index`, placed at random; with pushforward on the net's own prediction.
+  FitSample Draw(size_t index, RandomStream& stream) {
+    const double cell_m = config_.surrogate.cell_size_m;
+    const double turn_rad = config_.turn_deg * std::numbers::pi / 180,
+                 shift_m = config_.shift_cells * cell_m;
+    Placement placement;
+    placement.turn_rad = stream.Uniform(-turn_rad, turn_rad);
+    placement.shift_x_m = stream.Uniform(-shift_m, shift_m);
+    placement.shift_y_m = stream.Uniform(-shift_m, shift_m);
+    const auto steps = static_cast<size_t>(config_.pushforward_steps);
+    size_t at = index - std::min<size_t>(stream.Index(steps), strokes_[index].behind);
+    HeightMap before = Place(strokes_[at].record.before, placement, cell_m);
+    for (; at < index; ++at) before = Predict(MakeSample(at, before, placement));
+    const int symmetry = static_cast<int>(stream.Index(8));
+    return ApplySymmetry(MakeSample(index, before, placement), symmetry);
+  }
+
+  FitSample MakeSample(size_t index, const HeightMap& before, const Placement& placement) const {
+    const StrokeRecord& record = strokes_[index].record;
+    return MakeFitSample(strokes_[index].name, before,
+                         Place(record.after, placement, config_.surrogate.cell_size_m),
+                         Place(record.path, placement, record.before), config_.surrogate);
+  }
+
+  HeightMap Predict(const FitSample& sample) const {
+    const torch::NoGradGuard no_grad;
+    const torch::Tensor said = net_.Forward(FitBatch(net_.config(), {sample})).contiguous();
+    const float* values = said.data_ptr<float>();
+    const CellRect& window = sample.input.window;
+    std::vector<double> change_m;
+    for (int row = 0; row < window.rows(); ++row) {
+      for (int column = 0; column < window.columns(); ++column)
+        change_m.push_back(kResidualScale_m * values[row * sample.input.columns + column]);
+    }
+    HeightMap map = sample.start;
+    AddResidual(window, std::move(change_m), config_.surrogate.conserve_volume, map);
+    return map;
+  }
+
   void Step(int epoch, size_t index, const std::vector<FitSample>& chosen, ErrorSum& error) {
-    const Batch batch = Collate(chosen);
+    const FitBatch batch(net_.config(), chosen);
     optimiser_.zero_grad();
-    const auto prediction = net_.Forward(batch.channels, batch.active) * batch.weight;
+    const auto prediction = net_.Forward(batch) * batch.weight;
     const auto cells = batch.weight.sum();
     const double delta = config_.huber_mm / kResidualScale_mm;
-    const auto loss =
-        torch::huber_loss(prediction, batch.target, at::Reduction::Sum, delta) / cells;
+    const auto loss = torch::huber_loss(prediction, batch.target, at::Reduction::Sum, delta) / cells;
     if (!std::isfinite(loss.item<double>())) {
       std::string message = "fit: the loss is not finite in epoch " + std::to_string(epoch) +
                             ", batch " + std::to_string(index + 1) + ":";
@@ -222,8 +197,8 @@ class Trainer {
   }
 
   const FitConfig& config_;
-  std::vector<FitSample> samples_;
-  RandomStream stream_;
+  uint64_t seed_;
+  const std::vector<FitStroke>& strokes_;
   TrainingNet net_;
   torch::optim::AdamW optimiser_;
 };
@@ -235,7 +210,7 @@ std::string Millimetres(double value_mm) {
   return text.str();
 }
 
-void CheckBeds(const FitSamples& data, const FitSamples& validation) {
+void CheckBeds(const FitStrokes& data, const FitStrokes& validation) {
   for (const std::string& bed : validation.beds) {
     if (data.beds.contains(bed))
       throw Error("bed '" + bed +
@@ -244,10 +219,10 @@ void CheckBeds(const FitSamples& data, const FitSamples& validation) {
 }
 
 std::map<std::string, std::string> Metadata(const FitConfig& config, const FitRequest& request,
-                                            const FitSamples& data, const FitSamples& validation) {
+                                            const FitStrokes& data, const FitStrokes& validation) {
   SurrogateConfig model = config.surrogate;
   FitConfig fit = config;
-  const auto identity = [](const FitSamples& part) {
+  const auto identity = [](const FitStrokes& part) {
     return nlohmann::json{{"beds", part.beds}, {"files_sha256", part.sha256}};
   };
   const nlohmann::json split = {{"training", identity(data)}, {"validation", identity(validation)}};
@@ -259,51 +234,102 @@ std::map<std::string, std::string> Metadata(const FitConfig& config, const FitRe
           {"seed", std::to_string(request.seed)}};
 }
 
+// A fit between two epochs, as it is kept on disk: the metadata of its model, how far it came, the
+// trainer's state, and the best net so far under "best.".
+constexpr const char* kStateSchema = "sandwright-fit-state";
+
+Safetensors Snapshot(Trainer& trainer, const FitReport& report) {
+  Safetensors state;
+  state.metadata = report.model.metadata;
+  state.metadata["schema"] = kStateSchema;
+  state.metadata["progress"] = report.ToJson().dump();
+  trainer.Save(state);
+  for (const auto& [name, tensor] : report.model.tensors) state.tensors["best." + name] = tensor;
+  return state;
+}
+
+void Restore(const std::filesystem::path& file, Trainer& trainer, FitReport& report) {
+  const std::string source = file.string();
+  const Safetensors state = ReadSafetensors(file);
+  for (const auto& [key, value] : report.model.metadata) {
+    const std::string& found = state.Metadata(key, source);
+    if (found != (key == "schema" ? kStateSchema : value))
+      throw Error(source + ": not the state of this fit: another " + key);
+  }
+  const nlohmann::json progress = nlohmann::json::parse(state.Metadata("progress", source));
+  report.epochs = progress.at("epochs");
+  report.best_epoch = progress.at("best_epoch");
+  report.train_rmse_mm = progress.at("train_rmse_mm");
+  if (!progress.at("validation_rmse_mm").is_null())
+    report.validation_rmse_mm = progress.at("validation_rmse_mm").get<double>();
+  trainer.Load(state, source);
+  for (const auto& [name, tensor] : state.tensors) {
+    if (name.starts_with("best.")) report.model.tensors[name.substr(5)] = tensor;
+  }
+}
+
 }  // namespace
 
 FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
-  const FitSamples validation =
-      ReadFitSamples(request.validation, config.surrogate, request.threads);
-  FitSamples data = ReadFitSamples(request.data, config.surrogate, request.threads);
-  CheckBeds(data, validation);
-  torch::set_num_threads(request.threads);
+  const FitStrokes validation_strokes = ReadFitStrokes(request.validation, config.surrogate),
+                   data = ReadFitStrokes(request.data, config.surrogate);
+  CheckBeds(data, validation_strokes);
+  at::set_num_threads(request.threads);
+  const std::vector<FitSample> validation = RecordedSamples(validation_strokes, config.surrogate);
 
   FitReport report;
-  report.strokes = static_cast<int>(data.samples.size());
-  report.validation_strokes = static_cast<int>(validation.samples.size());
-  report.model.metadata = Metadata(config, request, data, validation);
-  Trainer trainer(config, request, std::move(data.samples));
+  report.strokes = static_cast<int>(data.strokes.size());
+  report.validation_strokes = static_cast<int>(validation.size());
+  report.model.metadata = Metadata(config, request, data, validation_strokes);
+  Trainer trainer(config, request.seed, data.strokes);
   if (request.init) trainer.net().Load(ReadSafetensors(*request.init), request.init->string());
-  if (!validation.samples.empty())
-    report.validation_heightfield_rmse_mm = HeightfieldError(validation.samples).rmse_mm();
+  if (request.resume) Restore(request.state.value(), trainer, report);
+  if (!validation.empty()) report.validation_start_rmse_mm = StartError(validation).rmse_mm();
 
   Progress progress("fit", config.epochs, "epochs");
-  for (int epoch = 1; epoch <= config.epochs; ++epoch) {
+  const int last_epoch = static_cast<int>(
+      request.epochs_now > 0 ? std::min(report.epochs + request.epochs_now, config.epochs)
+                             : config.epochs);
+  std::optional<Safetensors> state;  // after the last whole epoch
+  double written_s = 0;
+  const auto patient = [&] { return report.epochs - report.best_epoch < config.patience; };
+  while (report.epochs < last_epoch && patient()) {
+    const int epoch = report.epochs + 1;
     ErrorSum error;
     report.stopped = !trainer.RunEpoch(epoch, error);
     if (report.stopped) break;
     report.epochs = epoch;
     report.train_rmse_mm = error.rmse_mm();
     std::string note = "training " + Millimetres(report.train_rmse_mm);
-    if (validation.samples.empty()) {
+    if (validation.empty()) {
       report.best_epoch = epoch;
       trainer.net().Save(report.model);
     } else {
-      const double rmse_mm = Evaluate(trainer.net(), validation.samples).rmse_mm();
+      const double rmse_mm = Evaluate(trainer.net(), validation).rmse_mm();
       if (!report.validation_rmse_mm || rmse_mm < *report.validation_rmse_mm) {
         report.validation_rmse_mm = rmse_mm;
         report.best_epoch = epoch;
         trainer.net().Save(report.model);
       }
       note += ", validation " + Millimetres(rmse_mm) + ", best " +
-              Millimetres(*report.validation_rmse_mm) + ", heightfield " +
-              Millimetres(*report.validation_heightfield_rmse_mm);
+              Millimetres(*report.validation_rmse_mm) + ", at first " +
+              Millimetres(*report.validation_start_rmse_mm);
     }
     progress.Update(epoch, note);
-    if (epoch - report.best_epoch >= config.patience) break;
+    if (!request.state) continue;
+    state = Snapshot(trainer, report);
+    if (progress.elapsed_s() - written_s < kStateInterval_s) continue;
+    WriteSafetensors(*state, *request.state);
+    written_s = progress.elapsed_s();
   }
+  report.stopped = report.stopped || (report.epochs < config.epochs && patient());
+  if (report.stopped && state) WriteSafetensors(*state, *request.state);
   report.seconds = progress.elapsed_s();
   if (report.epochs == 0) ThrowIfStopRequested();
+  std::vector<SurrogateInput> inputs;
+  for (FitSample& sample : RecordedSamples(data, config.surrogate))
+    inputs.push_back(std::move(sample.input));
+  TrainingRange(inputs).Save(report.model);
   return report;
 }
 
@@ -317,7 +343,7 @@ nlohmann::json FitReport::ToJson() const {
           {"best_epoch", best_epoch},
           {"train_rmse_mm", train_rmse_mm},
           {"validation_rmse_mm", number(validation_rmse_mm)},
-          {"validation_heightfield_rmse_mm", number(validation_heightfield_rmse_mm)},
+          {"validation_start_rmse_mm", number(validation_start_rmse_mm)},
           {"seconds", seconds},
           {"stopped", stopped}};
 }

@@ -6,33 +6,36 @@
 #include <cmath>
 
 #include "data/base/parallel.h"
+#include "env/blade_path.h"
 #include "env/surrogate_encoding.h"
+#include "env/surrogate_paste.h"
 
 namespace sandwright {
+namespace {
 
-void AddResidual(const CellRect& rect, std::vector<double> residual_m, bool conserve_volume,
-                 HeightMap& map) {
-  SAND_CHECK(residual_m.size() ==
-             static_cast<size_t>(rect.rows()) * static_cast<size_t>(rect.columns()));
-  const auto for_each = [&](const auto& body) {
-    size_t i = 0;
-    for (int row = rect.row0; row < rect.row1; ++row) {
-      for (int column = rect.column0; column < rect.column1; ++column, ++i)
-        body(residual_m[i], map.At(row, column));
-    }
-  };
-  const bool floor_known = map.datum == Datum::kFloor;
-  double inflow = 0, outflow = 0;
-  for_each([&](double& residual, float height) {
-    if (floor_known) residual = std::max(residual, -std::max(static_cast<double>(height), 0.0));
-    (residual > 0 ? inflow : outflow) += std::abs(residual);
-  });
-  const double kept = std::min(inflow, outflow);
-  for_each([&](double residual, float& height) {
-    if (conserve_volume && residual != 0) residual *= kept / (residual > 0 ? inflow : outflow);
-    height = static_cast<float>(height + residual);
-  });
+bool CutsSand(const SurrogateInput& input) {
+  const size_t plane = input.active.size();
+  const auto cut = input.channels.begin() + static_cast<ptrdiff_t>(kCutChannel * plane);
+  return std::any_of(cut, cut + static_cast<ptrdiff_t>(plane), [](float v) { return v > 0; });
 }
+
+// Nothing flows between a cell that the stroke reaches and one that it does not.
+void CloseFacesOfTheReach(const SurrogateInput& input, std::vector<double>& flux_m) {
+  const int rows = input.window.rows(), columns = input.window.columns();
+  const auto active = [&](int row, int column) {
+    return input.active[static_cast<size_t>(row * input.columns + column)] != 0;
+  };
+  const auto cells = static_cast<size_t>(rows * columns);
+  size_t i = 0;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column, ++i) {
+      if (column + 1 < columns && !active(row, column + 1)) flux_m[i] = 0;
+      if (row + 1 < rows && !active(row + 1, column)) flux_m[cells + i] = 0;
+    }
+  }
+}
+
+}  // namespace
 
 Surrogate::Surrogate(const SurrogateConfig& config, const Safetensors& parameters,
                      const std::string& source)
@@ -41,9 +44,17 @@ Surrogate::Surrogate(const SurrogateConfig& config, const Safetensors& parameter
 std::vector<Outcome> Surrogate::ApplyChecked(std::span<SandState> states,
                                              std::span<const ToolPath> paths) const {
   const std::vector<SandState> before(states.begin(), states.end());
-  std::vector<Outcome> outcomes = heightfield_.Apply(states, paths);
+  std::vector<Outcome> outcomes(states.size());
+  if (config_.net.uses_heightfield()) outcomes = heightfield_.Apply(states, paths);
   ParallelFor(static_cast<int>(states.size()), static_cast<int>(config_.threads), [&](int index) {
     const auto i = static_cast<size_t>(index);
+    if (!config_.net.uses_heightfield()) {
+      const LimitedPath limited = LimitPath(paths[i], blade(), before[i].map());
+      outcomes[i].left_box = limited.left_box;
+      outcomes[i].below_floor = limited.below_floor;
+    } else if (outcomes[i].moved_volume_m3 == 0) {
+      return;  // a stroke that touches no sand changes none
+    }
     Correct(before[i].map(), paths[i], states[i], outcomes[i]);
   });
   return outcomes;
@@ -51,21 +62,29 @@ std::vector<Outcome> Surrogate::ApplyChecked(std::span<SandState> states,
 
 void Surrogate::Correct(const HeightMap& before, const ToolPath& path, SandState& state,
                         Outcome& outcome) const {
-  // A stroke that touches no sand changes none.
-  if (outcome.moved_volume_m3 == 0) return;
   const SurrogateInput input =
       EncodeStroke(before, state.map(), path, blade(), config_.net.multiple(), config_.reach_m);
   if (input.window.empty()) return;
-  const std::vector<float> residual =
+  if (!config_.net.uses_heightfield() && !CutsSand(input)) return;
+  const std::vector<float> said =
       net_.Forward(input.channels, ActiveCells(input.rows, input.columns, input.active));
-  std::vector<double> residual_m;
-  for (int row = 0; row < input.window.rows(); ++row) {
-    for (int column = 0; column < input.window.columns(); ++column)
-      residual_m.push_back(kResidualScale_m *
-                           residual[static_cast<size_t>(row * input.columns + column)]);
+  const int rows = input.window.rows(), columns = input.window.columns();
+  std::vector<double> said_m;  // [outputs, rows, columns] of the window, without its padding
+  for (int o = 0; o < config_.net.outputs(); ++o) {
+    for (int row = 0; row < rows; ++row) {
+      const auto from =
+          said.begin() + (static_cast<ptrdiff_t>(o) * input.rows + row) * input.columns;
+      std::transform(from, from + columns, std::back_inserter(said_m),
+                     [](float value) { return kResidualScale_m * value; });
+    }
   }
   HeightMap map = state.map();
-  AddResidual(input.window, std::move(residual_m), config_.conserve_volume, map);
+  if (config_.net.architecture == "flux") {
+    CloseFacesOfTheReach(input, said_m);
+    AddFluxes(input.window, said_m, map);
+  } else {
+    AddResidual(input.window, std::move(said_m), config_.conserve_volume, map);
+  }
   outcome.changed = Union(outcome.changed, input.window);
   outcome.moved_volume_m3 = MovedVolume(before, map, outcome.changed);
   state.Replace(std::move(map));

@@ -1,4 +1,4 @@
-// The learned sand model: what a small net knows better, added to the heightfield's prediction.
+// The learned sand model: what a small net knows, mostly on top of the heightfield's prediction.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace sandwright {
 // Everything that decides a prediction, kept in the model's file.
 struct SurrogateConfig {
   double cell_size_m = 0.004;   // the cells it was trained on: it works on no others
-  bool conserve_volume = true;  // the net's correction adds and removes the same volume
+  bool conserve_volume = true;  // what the net adds and takes is the same volume; fluxes do anyhow
   double reach_m = 0;           // of the net beyond the path; 0: the whole window
   int64_t threads = 1;          // for a batch of strokes
   SurrogateNetConfig net;
@@ -21,7 +21,7 @@ struct SurrogateConfig {
   void Fields(FieldList& f) {
     f.Add("cell_size_m", cell_size_m, "cells of the maps [m]", 0.001, 0.05);
     f.Add("conserve_volume", conserve_volume,
-          "the net's correction adds and removes the same volume");
+          "what the net adds and takes is the same volume; fluxes conserve it anyhow");
     f.Add("reach_m", reach_m, "how far from the path the net corrects; 0: the whole window [m]", 0,
           1);
     f.Add("threads", threads, "threads for a batch of strokes", 1, 1024);
@@ -30,12 +30,9 @@ struct SurrogateConfig {
   }
 };
 
-// The heightfield is applied to the whole map; the net's residual is added inside StrokeWindow, so
-// beyond it the surrogate is the heightfield. A residual that takes sand away is an outflow, and a
-// cell gives at most what lies on the floor there, so heights stay >= 0 by construction (on a map
-// whose datum is relative the floor is unknown and nothing is limited). With conserve_volume the
-// larger of total inflow and total outflow is scaled down to the other: that keeps the volume to
-// rounding, and the bound on the outflow with it.
+// The heightfield is applied to the whole map; what the net says changes the cells of StrokeWindow
+// that the stroke reaches (surrogate_paste.h keeps the floor and the volume). So beyond them the
+// surrogate is the heightfield; the architecture `direct` changes nothing there.
 class Surrogate final : public SandModel {
  public:
   // The heightfield that is inside and the net; `source` names where they came from in messages.
@@ -59,10 +56,6 @@ class Surrogate final : public SandModel {
   Heightfield heightfield_;
   SurrogateNet net_;
 };
-
-// Adds `residual_m` (one value a cell of `rect`, row-major) to `map` under the rules above.
-void AddResidual(const CellRect& rect, std::vector<double> residual_m, bool conserve_volume,
-                 HeightMap& map);
 
 // A file that `fit` wrote: metadata "schema" = "sandwright-surrogate" and "config" (the resolved
 // SurrogateConfig as JSON), and the net's tensors. Error naming the file and what is wrong.

@@ -24,12 +24,13 @@ inline constexpr std::array<std::string_view, 12> kSurrogateChannels = {
     "ahead",     // along the last direction from the end pose, times end_near [100 mm]
     "end_near",  // exp(-distance to the end pose / 60 mm)
     "wall",      // exp(-distance to the nearest wall / 30 mm)
-    "change",    // what the heightfield changed [10 mm]
+    "change",    // what the heightfield changed [10 mm]; 0 without one
 };
 inline constexpr int kSurrogateChannelCount = static_cast<int>(kSurrogateChannels.size());
+inline constexpr int kCutChannel = 2;
 inline constexpr int kDirectionXChannel = 4;  // the one vector among the channels: x, then y
 
-// One output channel: what is added to the heightfield's prediction, in units of this length.
+// The unit of what the net says.
 inline constexpr double kResidualScale_m = 0.010;
 
 struct SurrogateInput {
@@ -40,7 +41,7 @@ struct SurrogateInput {
 };
 
 // The window of `path` on `before`, padded to multiples of `multiple` cells. `predicted` is the
-// heightfield's map after the stroke, on the same grid. A cell is active within `reach_m` of the
+// heightfield's map after the stroke, on the same grid (`before` itself without a heightfield). A cell is active within `reach_m` of the
 // path, its way ahead of the end (kWindowAhead_m, less the reach) with it; the channels of others
 // are zero. reach_m = 0: all cells are active, those of the padding too.
 SurrogateInput EncodeStroke(const HeightMap& before, const HeightMap& predicted,

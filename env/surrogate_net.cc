@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "data/base/error.h"
@@ -10,6 +11,9 @@
 
 namespace sandwright {
 namespace {
+
+constexpr size_t kHarmonics = 5;
+constexpr std::array<int, 6> kLinearChannels = {0, 1, 2, 7, 8, 11};  // see LinearFeatures
 
 // Means of 2 x 2 cells, on the active ones of the coarser grid.
 CellFeatures Pool(const CellFeatures& fine, int channels, const ActiveCells& active) {
@@ -41,13 +45,43 @@ void Upsample(const CellFeatures& coarse, int channels, const ActiveCells& activ
 
 }  // namespace
 
+int SurrogateNetConfig::inputs() const {
+  return linear() ? kLinearChannels.size() * kHarmonics : kSurrogateChannelCount;
+}
+
+int SurrogateNetConfig::outputs() const { return architecture == "flux" ? 2 : 1; }
+
+std::vector<float> LinearFeatures(std::span<const float> channels, size_t cells) {
+  SAND_CHECK(channels.size() == kSurrogateChannelCount * cells);
+  std::vector<float> features(kLinearChannels.size() * kHarmonics * cells);
+  for (size_t i = 0; i < cells; ++i) {
+    const float x = channels[kDirectionXChannel * cells + i],
+                y = channels[(kDirectionXChannel + 1) * cells + i], length = std::hypot(x, y);
+    const float c = length > 0 ? x / length : 0, s = length > 0 ? y / length : 0;
+    const std::array<float, kHarmonics> harmonics = {1, c, s, c * c - s * s, 2 * c * s};
+    size_t feature = 0;
+    for (const int channel : kLinearChannels) {
+      for (const float harmonic : harmonics)
+        features[feature++ * cells + i] =
+            harmonic * channels[static_cast<size_t>(channel) * cells + i];
+    }
+  }
+  return features;
+}
+
 std::vector<ConvShape> SurrogateLayers(const SurrogateNetConfig& config) {
   const auto width = [&](int level) { return static_cast<int>(config.base_channels) << level; };
   const int poolings = static_cast<int>(config.poolings);
   const int patch = static_cast<int>(config.patch_cells * config.patch_cells);
+  const int inputs = config.inputs() * patch, outputs = config.outputs() * patch;
+  if (config.linear()) {
+    if (config.linear_cells % 2 == 0)
+      throw Error(fmt::format("linear_cells = {}; must be odd", config.linear_cells));
+    return {{"head", inputs, outputs, static_cast<int>(config.linear_cells), 0}};
+  }
   std::vector<ConvShape> layers;
   for (int level = 0; level <= poolings; ++level) {
-    const int in = level == 0 ? kSurrogateChannelCount * patch : width(level - 1);
+    const int in = level == 0 ? inputs : width(level - 1);
     layers.push_back({fmt::format("down{}a", level), in, width(level), 3, level});
     layers.push_back({fmt::format("down{}b", level), width(level), width(level), 3, level});
   }
@@ -56,7 +90,7 @@ std::vector<ConvShape> SurrogateLayers(const SurrogateNetConfig& config) {
         {fmt::format("up{}a", level), width(level) + width(level + 1), width(level), 3, level});
     layers.push_back({fmt::format("up{}b", level), width(level), width(level), 3, level});
   }
-  layers.push_back({"head", width(0), patch, 1});
+  layers.push_back({"head", width(0), outputs, 1, 0});
   return layers;
 }
 
@@ -79,17 +113,18 @@ SurrogateNet::SurrogateNet(const SurrogateNetConfig& config, const Safetensors& 
         take(shape.name + ".bias", {shape.out}));
 }
 
-CellFeatures SurrogateNet::PackPatches(std::span<const float> channels,
+CellFeatures SurrogateNet::PackPatches(std::span<const float> inputs,
                                        const ActiveCells& active) const {
-  const int patch = static_cast<int>(config_.patch_cells);
+  const int patch = static_cast<int>(config_.patch_cells), channels = config_.inputs();
   const int rows = active.rows * patch, columns = active.columns * patch;
   const size_t plane = static_cast<size_t>(rows) * static_cast<size_t>(columns);
-  SAND_CHECK(channels.size() == kSurrogateChannelCount * plane);
-  CellFeatures packed(active.rows, active.columns, kSurrogateChannelCount * patch * patch, 1);
+  SAND_CHECK(inputs.size() == static_cast<size_t>(channels) * plane);
+  CellFeatures packed(active.rows, active.columns, channels * patch * patch,
+                      layers_.front().size() / 2);
   for (int row = 0; row < rows; ++row) {
     const auto [first, end] = active.span[static_cast<size_t>(row / patch)];
-    for (int c = 0; c < kSurrogateChannelCount; ++c) {
-      const float* from = channels.data() + static_cast<size_t>(c) * plane +
+    for (int c = 0; c < channels; ++c) {
+      const float* from = inputs.data() + static_cast<size_t>(c) * plane +
                           static_cast<size_t>(row) * static_cast<size_t>(columns);
       const int channel = (c * patch + row % patch) * patch;
       for (int column = first; column < end; ++column)
@@ -100,16 +135,10 @@ CellFeatures SurrogateNet::PackPatches(std::span<const float> channels,
   return packed;
 }
 
-std::vector<float> SurrogateNet::Forward(std::span<const float> channels,
-                                         const ActiveCells& active) const {
-  SAND_CHECK(active.rows % config_.multiple() == 0 && active.columns % config_.multiple() == 0,
-             active.rows, active.columns);
+CellFeatures SurrogateNet::ForwardUNet(CellFeatures current,
+                                       std::span<const ActiveCells> levels) const {
   const int poolings = static_cast<int>(config_.poolings);
-  const int patch = static_cast<int>(config_.patch_cells);
   const auto width = [&](int level) { return static_cast<int>(config_.base_channels) << level; };
-  std::vector<ActiveCells> levels{active.Coarser(patch)};
-  for (int level = 0; level < poolings; ++level) levels.push_back(levels.back().Coarser(2));
-
   size_t next = 0;
   // `channels_out` leaves room behind what the layer writes.
   const auto convolve = [&](const CellFeatures& in, int level, int channels_out) {
@@ -117,7 +146,6 @@ std::vector<float> SurrogateNet::Forward(std::span<const float> channels,
     layers_[next++].Apply(in, levels[static_cast<size_t>(level)], true, out);
     return out;
   };
-  CellFeatures current = PackPatches(channels, levels[0]);
   std::vector<CellFeatures> skips;
   for (int level = 0; level < poolings; ++level) {
     current = convolve(current, level, width(level));
@@ -133,19 +161,39 @@ std::vector<float> SurrogateNet::Forward(std::span<const float> channels,
     current = convolve(joined, level, width(level));
     current = convolve(current, level, width(level));
   }
-  CellFeatures head(current.rows(), current.columns(), layers_[next].out(), 0);
-  layers_[next].Apply(current, levels[0], false, head);
+  return current;
+}
 
-  std::vector<float> residual(active.cell.size(), 0.0f);
+std::vector<float> SurrogateNet::Forward(std::span<const float> channels,
+                                         const ActiveCells& active) const {
+  SAND_CHECK(active.rows % config_.multiple() == 0 && active.columns % config_.multiple() == 0,
+             active.rows, active.columns);
+  const int patch = static_cast<int>(config_.patch_cells);
+  std::vector<ActiveCells> levels{active.Coarser(patch)};
+  const size_t cells = active.cell.size();
+  CellFeatures features = config_.linear() ? PackPatches(LinearFeatures(channels, cells), levels[0])
+                                           : PackPatches(channels, levels[0]);
+  if (!config_.linear()) {
+    for (int level = 0; level < config_.poolings; ++level)
+      levels.push_back(levels.back().Coarser(2));
+    features = ForwardUNet(std::move(features), levels);
+  }
+  CellFeatures head(features.rows(), features.columns(), layers_.back().out(), 0);
+  layers_.back().Apply(features, levels[0], false, head);
+
+  std::vector<float> result(static_cast<size_t>(config_.outputs()) * cells, 0.0f);
   for (int row = 0; row < active.rows; ++row) {
     const auto [first, end] = active.span[static_cast<size_t>(row)];
     for (int column = first; column < end; ++column) {
       const auto i = static_cast<size_t>(row * active.columns + column);
-      if (active.cell[i])
-        residual[i] = head.At(row / patch, column / patch)[row % patch * patch + column % patch];
+      if (!active.cell[i]) continue;
+      const float* from = head.At(row / patch, column / patch);
+      for (int o = 0; o < config_.outputs(); ++o)
+        result[static_cast<size_t>(o) * cells + i] =
+            from[(o * patch + row % patch) * patch + column % patch];
     }
   }
-  return residual;
+  return result;
 }
 
 double SurrogateNet::Flops(const ActiveCells& active) const {

@@ -140,6 +140,10 @@ TEST(SurrogateNet, RefusesForeignParameters) {
   file.tensors["down1a.bias"] = {{3}, {0, 0, 0}};
   EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); },
               ThrowsMessage<Error>(HasSubstr("down1a.bias has shape [3]; expected [8]")));
+  SurrogateNetConfig even;
+  even.architecture = "linear";
+  even.linear_cells = 4;
+  EXPECT_THAT([&] { SurrogateLayers(even); }, ThrowsMessage<Error>(HasSubstr("must be odd")));
   file.tensors.erase("down1a.bias");
   EXPECT_THAT([&] { SurrogateNet(config, file, "model.safetensors"); },
               ThrowsMessage<Error>(HasSubstr("down1a.bias")));
@@ -182,24 +186,14 @@ TEST(Surrogate, TakesAtMostWhatLiesThere) {
   EXPECT_NEAR(Volume(kept), Volume(bed), 1e-5 * Volume(bed));
 }
 
-TEST(Surrogate, ResidualRules) {
-  const CellRect rect{0, 0, 2, 2};
-  HeightMap map(2, 2, 0.004, 0.01f);
-  AddResidual(rect, {0.002, 0.004, -0.02, -0.002}, false, map);  // -0.02 finds only 0.01
-  EXPECT_NEAR(map.At(0, 1), 0.014, 1e-7);
-  EXPECT_EQ(map.At(1, 0), 0);
-  HeightMap same(2, 2, 0.004, 0.01f);
-  AddResidual(rect, {0.002, 0.004, -0.02, -0.002}, true, same);  // 12 out, 6 in: half goes out
-  EXPECT_NEAR(same.At(1, 0), 0.005, 1e-7);
-  EXPECT_NEAR(same.At(1, 1), 0.009, 1e-7);
-  EXPECT_NEAR(same.At(0, 1), 0.014, 1e-7);
-  HeightMap relative(2, 2, 0.004, 0.01f, Datum::kRelative);
-  AddResidual(rect, {0, 0, -0.02, 0}, false, relative);
-  EXPECT_NEAR(relative.At(1, 0), -0.01, 1e-7);
-}
+class SurrogateArchitecture : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, SurrogateArchitecture,
+                         ::testing::Values("residual", "flux", "direct", "linear"),
+                         [](const auto& test) { return std::string(test.param); });
 
-TEST(Surrogate, BatchOrderAndThreadsDoNotMatter) {
+TEST_P(SurrogateArchitecture, BatchOrderAndThreadsDoNotMatter) {
   SurrogateConfig config = SmallConfig();
+  config.net.architecture = GetParam();
   const Safetensors parameters = RandomParameters(config.net, 0.05f);
   const Surrogate one(config, parameters, "test");
   config.threads = config.heightfield.threads = 3;
@@ -218,12 +212,65 @@ TEST(Surrogate, BatchOrderAndThreadsDoNotMatter) {
   EXPECT_EQ(Apply(one, Bumpy(90, 60), strokes[1]).height_m, states[1].map().height_m);
 }
 
-TEST(Surrogate, NoSandTouchedNothingChanges) {
-  const SurrogateConfig config = SmallConfig();
+TEST_P(SurrogateArchitecture, NoSandTouchedNothingChanges) {
+  SurrogateConfig config = SmallConfig();
+  config.net.architecture = GetParam();
   const Surrogate model(config, RandomParameters(config.net, 0.3f), "test");
   const HeightMap bed(75, 75, 0.004, 0.05f);
   const Stroke above{{{0.1, 0.15, 0.08}, {0.2, 0.15, 0.08}}, 1, 0.1};
   EXPECT_EQ(Apply(model, bed, above).height_m, bed.height_m);
+}
+
+// Whatever the weights say: volume is kept where it is promised, no height is below the floor and
+// nothing changes where the stroke cannot reach.
+TEST_P(SurrogateArchitecture, KeepsVolumeAndFloorUnderWildWeights) {
+  SurrogateConfig config = SmallConfig();
+  config.net.architecture = GetParam();
+  config.conserve_volume = true;
+  config.reach_m = 0.05;
+  const HeightMap bed(75, 75, 0.004, 0.01f);
+  const Stroke stroke{{{0.1, 0.15, 0.001}, {0.2, 0.17, 0.001}}, 1, 0.1};
+  for (const float bias : {-3.0f, 0.0f, 3.0f}) {
+    Safetensors wild = RandomParameters(config.net, bias);
+    const HeightMap after = Apply(Surrogate(config, wild, "test"), bed, stroke);
+    if (bias == 0)  // else the residual may be all inflow, of which nothing is kept
+      EXPECT_NE(after.height_m, Apply(Heightfield(config.heightfield), bed, stroke).height_m);
+    EXPECT_NEAR(Volume(after), Volume(bed), 2e-6 * Volume(bed));
+    for (float h : after.height_m) ASSERT_GE(h, 0);
+    EXPECT_EQ(after.At(2, 2), bed.At(2, 2));
+  }
+}
+
+TEST(Surrogate, DirectKnowsNoHeightfieldAndReportsItsLimits) {
+  SurrogateConfig config = SmallConfig();
+  config.net.architecture = "direct";
+  Safetensors silent = RandomParameters(config.net, 0);
+  for (float& w : silent.tensors["head.weight"].values) w = 0;
+  const Surrogate model(config, silent, "test");
+  EXPECT_EQ(Apply(model, Bumpy(75, 75), Curve()).height_m, Bumpy(75, 75).height_m);
+  const Stroke outside{{{0.1, 0.15, -0.01}, {0.32, 0.15, 0.03}}, 1, 0.1};
+  std::vector<SandState> state{SandState(Bumpy(75, 75))};
+  const Outcome outcome = model.Apply(state, std::span(&outside, 1))[0];
+  EXPECT_TRUE(outcome.left_box);
+  EXPECT_TRUE(outcome.below_floor);
+}
+
+// A map that is turned by 90 degrees, with the stroke, has turned features.
+TEST(SurrogateNet, LinearFeaturesAreLinearInTheHeightsAndTurnWithTheStroke) {
+  const size_t cells = 2;
+  std::vector<float> channels(kSurrogateChannelCount * cells, 0.0f);
+  channels[1 * cells] = 0.5f;  // height
+  channels[kDirectionXChannel * cells] = 0.3f;
+  channels[(kDirectionXChannel + 1) * cells] = 0.4f;
+  const std::vector<float> once = LinearFeatures(channels, cells);
+  const std::vector<float> expected = {0.5f, 0.5f * 0.6f, 0.5f * 0.8f, 0.5f * (0.36f - 0.64f),
+                                       0.5f * 2 * 0.6f * 0.8f};
+  for (size_t k = 0; k < 5; ++k) EXPECT_NEAR(once[(5 + k) * cells], expected[k], 1e-6);
+  channels[1 * cells] = 1.5f;
+  const std::vector<float> thrice = LinearFeatures(channels, cells);
+  for (size_t k = 0; k < 5; ++k)
+    EXPECT_NEAR(thrice[(5 + k) * cells], 3 * once[(5 + k) * cells], 1e-6);
+  EXPECT_EQ(once[5 * cells + 1], 0);
 }
 
 TEST(Surrogate, RefusesOtherCellsAndLeavesTheStateAlone) {
@@ -260,7 +307,8 @@ TEST(SurrogateEncoding, TurnsWithTheSquare) {
   const ToolPath path = SamplePath(Curve(), 0.002);
   std::vector<SandState> state{SandState(bed)};
   Heightfield(config.heightfield).Apply(state, std::span(&path, 1));
-  FitSample sample{"", EncodeStroke(bed, state[0].map(), path, Blade{}, 1, kReach_m), {}, {}};
+  FitSample sample;
+  sample.input = EncodeStroke(bed, state[0].map(), path, Blade{}, 1, kReach_m);
   sample.target.assign(static_cast<size_t>(sample.input.rows * sample.input.columns), 0);
   sample.weight = sample.target;
   const double side = bed.width_m(), pi = std::acos(-1);
