@@ -100,7 +100,7 @@ torch::Tensor TrainingNet::Forward(const FitBatch& batch) const {
     }
   }
   x = torch::pixel_shuffle(convolve(x), config_.patch_cells) * batch.active;
-  return config_.architecture == "flux" ? Divergence(x, batch.inside) : x.squeeze(1);
+  return config_.architecture == "flux" ? Divergence(x, batch.inside * batch.active) : x.squeeze(1);
 }
 
 void TrainingNet::Save(Safetensors& file, const std::string& prefix) const {

@@ -25,8 +25,9 @@ std::filesystem::path WriteBed(const std::string& bed, double y_m, const Blade& 
   file.bed = bed;
   for (double x_m : {0.07, 0.10}) {
     StrokeRecord record;
-    record.before = HeightMap(50, 50, 0.004, 0.05f);
-    record.stroke.control_points_m = {{x_m, y_m, 0.03}, {x_m + 0.05, y_m + 0.02, 0.03}};
+    // Deep: fluxes that carry sand over many cells at once must not meet the limit of what lies in one.
+    record.before = HeightMap(50, 50, 0.004, 0.5f);
+    record.stroke.control_points_m = {{x_m, y_m, 0.48}, {x_m + 0.05, y_m + 0.02, 0.48}};
     record.path = SamplePath(record.stroke, 0.002);
     record.blade = blade;
     std::vector<SandState> state{SandState(record.before)};
