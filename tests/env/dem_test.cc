@@ -93,7 +93,7 @@ TEST_F(DemTest, AStrokeMovesTheGrainsNearItAndTheNextOneGoesOnWithThem) {
   // Without a blade in the sand the bed stays as it is, but for a stir where contacts build up anew.
   const HeightMap left = state.map();
   dem.ApplyStroke(state, SamplePath(Line(0.03, 0.04, 0.04, 0.08), 0.002), report);
-  EXPECT_LT(RmsDifference(state.map(), left), 1.2e-3);  // another packing differs by 2 mm and more
+  EXPECT_LT(RmsDifference(state.map(), left), 1.5e-3);  // another packing differs by 2 mm and more
 }
 
 TEST_F(DemTest, CoarserGrainsAreScoredLikeAnyModel) {
