@@ -4,6 +4,7 @@
 #include "cli/command.h"
 #include "data/base/atomic_file.h"
 #include "data/base/progress.h"
+#include "data/shipped.h"
 #include "data/stroke_dataset.h"
 #include "env/fit_heightfield.h"
 #include "env/fit_surrogate.h"
@@ -14,10 +15,14 @@ namespace {
 class FitCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--data", data_, "stroke files or folders to train on")->required();
+    app.add_option(
+           "--data", data_,
+           "stroke files or folders to train on; generated: heightfield strokes of the keys "
+           "generate, made anew in each pass")
+        ->required();
     app.add_option("--validation", validation_,
                    "stroke files or folders of other beds: early stopping, held-out figures");
-    app.add_option("--init", init_, "start from this surrogate")->check(CLI::ExistingFile);
+    app.add_option("--init", init_, "start from this surrogate: default, or a .safetensors file");
     app.add_flag("--resume", resume_,
                  "go on with an interrupted fit of a surrogate, kept beside --out as OUT.state");
     app.add_option("--out", out_, "what to write: surrogate (.safetensors) or heightfield (.yaml)")
@@ -36,8 +41,10 @@ class FitCommand final : public Command {
     if (model_ == "heightfield" && !init_.empty())
       throw Error("--init " + init_ +
                   ": a heightfield starts from the keys calibration.heightfield");
-    if (resume_ && (model_ == "heightfield" || !init_.empty()))
-      throw Error("--resume goes on with a surrogate's fit, as it began: without --init");
+    if (model_ == "heightfield" && generates())
+      throw Error("--data generated: a heightfield is fitted to recorded strokes");
+    if (resume_ && model_ == "heightfield")
+      throw Error("--resume goes on with the fit of a surrogate, not of a heightfield");
     { const AtomicFile probe(out_); }  // says so before the work where it cannot be written
     return model_ == "surrogate" ? Train() : Calibrate();
   }
@@ -45,9 +52,13 @@ class FitCommand final : public Command {
  private:
   int Train() {
     FitRequest request;
-    request.data = FindStrokeFiles(data_);
+    if (!generates()) request.data = FindStrokeFiles(data_);
     if (!validation_.empty()) request.validation = FindStrokeFiles(validation_);
-    if (!init_.empty()) request.init = init_;
+    if (!init_.empty()) {
+      request.init = init_ == "default" ? ShippedFile("models/default_surrogate.safetensors")
+                                        : std::filesystem::path(init_);
+      TakeModelOf(*request.init);
+    }
     request.seed = seed();
     request.threads = threads();
     request.state = out_ + ".state";
@@ -65,6 +76,17 @@ class FitCommand final : public Command {
     std::printf("\n");
     WriteResult(json);
     return report.stopped ? 130 : 0;
+  }
+
+  // The model that a fit starts from is trained on as it is.
+  void TakeModelOf(const std::filesystem::path& init) {
+    SurrogateConfig asked = config_.surrogate, standard,
+                    own = SurrogateConfigOf(ReadSafetensors(init), init.string());
+    const auto json = ToJson(FieldsOf(asked));
+    if (json != ToJson(FieldsOf(standard)) && json != ToJson(FieldsOf(own)))
+      throw Error("--init " + init.string() +
+                  ": its model is trained on as it is; leave the keys surrogate out");
+    config_.surrogate = own;
   }
 
   int Calibrate() {
@@ -89,6 +111,8 @@ class FitCommand final : public Command {
     WriteResult(json);
     return 0;
   }
+
+  bool generates() const { return data_.size() == 1 && data_[0] == "generated"; }
 
   std::vector<std::string> data_, validation_;
   std::string init_, out_, model_ = "surrogate";

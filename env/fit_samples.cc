@@ -7,6 +7,7 @@
 
 #include "data/base/atomic_file.h"
 #include "data/base/sha256.h"
+#include "env/coarse_heightfield.h"
 
 namespace sandwright {
 namespace {
@@ -98,7 +99,8 @@ FitSample MakeFitSample(const std::string& name, const HeightMap& before, const 
                         const ToolPath& path, const SurrogateConfig& model) {
   std::vector<SandState> state{SandState(before)};
   if (model.net.uses_heightfield())
-    Heightfield(model.heightfield).Apply(state, std::span(&path, 1));
+    ApplyOnCoarseCells(Heightfield(model.heightfield), static_cast<int>(model.heightfield_cells),
+                       state, std::span(&path, 1));
   const HeightMap& start = state.front().map();
   FitSample sample{name,
                    start,

@@ -12,8 +12,10 @@
 #include <numeric>
 #include <sstream>
 
+#include "data/base/atomic_file.h"
 #include "data/base/progress.h"
 #include "data/base/random.h"
+#include "data/base/sha256.h"
 #include "data/base/stop.h"
 #include "env/fit_samples.h"
 #include "env/surrogate_paste.h"
@@ -68,10 +70,9 @@ std::vector<FitSample> RecordedSamples(const FitStrokes& strokes, const Surrogat
 
 class Trainer {
  public:
-  Trainer(const FitConfig& config, uint64_t seed, const std::vector<FitStroke>& strokes)
+  Trainer(const FitConfig& config, uint64_t seed)
       : config_(config),
         seed_(seed),
-        strokes_(strokes),
         net_(config.surrogate.net, RandomStream(seed, StreamId("fit.parameters"))),
         optimiser_(
             net_.parameters(),
@@ -80,9 +81,9 @@ class Trainer {
   TrainingNet& net() { return net_; }
 
   // One pass over all strokes; false when a stop was requested in the middle.
-  bool RunEpoch(int epoch, ErrorSum& error) {
+  bool RunEpoch(int epoch, const std::vector<FitStroke>& strokes, ErrorSum& error) {
     RandomStream stream(seed_, StreamId("fit.order"), static_cast<uint64_t>(epoch));
-    std::vector<size_t> order(strokes_.size());
+    std::vector<size_t> order(strokes.size());
     std::iota(order.begin(), order.end(), size_t{0});
     for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[stream.Index(i)]);
     const size_t size = static_cast<size_t>(config_.batch_size);
@@ -95,7 +96,7 @@ class Trainer {
           .lr(config_.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * done)));
       std::vector<FitSample> chosen;
       for (size_t i = b * size; i < std::min(order.size(), (b + 1) * size); ++i)
-        chosen.push_back(Draw(order[i], stream));
+        chosen.push_back(Draw(strokes, order[i], stream));
       Step(epoch, b, chosen, error);
     }
     return true;
@@ -138,7 +139,7 @@ class Trainer {
   }
 
   // Stroke `index`, placed at random; with pushforward on the net's own prediction.
-  FitSample Draw(size_t index, RandomStream& stream) {
+  FitSample Draw(const std::vector<FitStroke>& strokes, size_t index, RandomStream& stream) const {
     const double cell_m = config_.surrogate.cell_size_m;
     const double turn_rad = config_.turn_deg * std::numbers::pi / 180,
                  shift_m = config_.shift_cells * cell_m;
@@ -147,16 +148,17 @@ class Trainer {
     placement.shift_x_m = stream.Uniform(-shift_m, shift_m);
     placement.shift_y_m = stream.Uniform(-shift_m, shift_m);
     const auto steps = static_cast<size_t>(config_.pushforward_steps);
-    size_t at = index - std::min<size_t>(stream.Index(steps), strokes_[index].behind);
-    HeightMap before = Place(strokes_[at].record.before, placement, cell_m);
-    for (; at < index; ++at) before = Predict(MakeSample(at, before, placement));
+    size_t at = index - std::min<size_t>(stream.Index(steps), strokes[index].behind);
+    HeightMap before = Place(strokes[at].record.before, placement, cell_m);
+    for (; at < index; ++at) before = Predict(MakeSample(strokes[at], before, placement));
     const int symmetry = static_cast<int>(stream.Index(8));
-    return ApplySymmetry(MakeSample(index, before, placement), symmetry);
+    return ApplySymmetry(MakeSample(strokes[index], before, placement), symmetry);
   }
 
-  FitSample MakeSample(size_t index, const HeightMap& before, const Placement& placement) const {
-    const StrokeRecord& record = strokes_[index].record;
-    return MakeFitSample(strokes_[index].name, before,
+  FitSample MakeSample(const FitStroke& stroke, const HeightMap& before,
+                       const Placement& placement) const {
+    const StrokeRecord& record = stroke.record;
+    return MakeFitSample(stroke.name, before,
                          Place(record.after, placement, config_.surrogate.cell_size_m),
                          Place(record.path, placement, record.before), config_.surrogate);
   }
@@ -182,7 +184,8 @@ class Trainer {
     const auto prediction = net_.Forward(batch) * batch.weight;
     const auto cells = batch.weight.sum();
     const double delta = config_.huber_mm / kResidualScale_mm;
-    const auto loss = torch::huber_loss(prediction, batch.target, at::Reduction::Sum, delta) / cells;
+    const auto loss =
+        torch::huber_loss(prediction, batch.target, at::Reduction::Sum, delta) / cells;
     if (!std::isfinite(loss.item<double>())) {
       std::string message = "fit: the loss is not finite in epoch " + std::to_string(epoch) +
                             ", batch " + std::to_string(index + 1) + ":";
@@ -198,7 +201,6 @@ class Trainer {
 
   const FitConfig& config_;
   uint64_t seed_;
-  const std::vector<FitStroke>& strokes_;
   TrainingNet net_;
   torch::optim::AdamW optimiser_;
 };
@@ -231,6 +233,7 @@ std::map<std::string, std::string> Metadata(const FitConfig& config, const FitRe
           {"fit", ToJson(FieldsOf(fit)).dump()},
           {"channels", nlohmann::json(kSurrogateChannels).dump()},
           {"data", split.dump()},
+          {"init", request.init ? Sha256Hex(ReadFile(*request.init)) : ""},
           {"seed", std::to_string(request.seed)}};
 }
 
@@ -272,16 +275,17 @@ void Restore(const std::filesystem::path& file, Trainer& trainer, FitReport& rep
 
 FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
   const FitStrokes validation_strokes = ReadFitStrokes(request.validation, config.surrogate),
-                   data = ReadFitStrokes(request.data, config.surrogate);
-  CheckBeds(data, validation_strokes);
+                   recorded = ReadFitStrokes(request.data, config.surrogate);
+  CheckBeds(recorded, validation_strokes);
   at::set_num_threads(request.threads);
   const std::vector<FitSample> validation = RecordedSamples(validation_strokes, config.surrogate);
 
   FitReport report;
-  report.strokes = static_cast<int>(data.strokes.size());
+  const bool generates = request.data.empty();
+  report.strokes = static_cast<int>(generates ? config.generate.strokes : recorded.strokes.size());
   report.validation_strokes = static_cast<int>(validation.size());
-  report.model.metadata = Metadata(config, request, data, validation_strokes);
-  Trainer trainer(config, request.seed, data.strokes);
+  report.model.metadata = Metadata(config, request, recorded, validation_strokes);
+  Trainer trainer(config, request.seed);
   if (request.init) trainer.net().Load(ReadSafetensors(*request.init), request.init->string());
   if (request.resume) Restore(request.state.value(), trainer, report);
   if (!validation.empty()) report.validation_start_rmse_mm = StartError(validation).rmse_mm();
@@ -290,13 +294,18 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
   const int last_epoch = static_cast<int>(
       request.epochs_now > 0 ? std::min(report.epochs + request.epochs_now, config.epochs)
                              : config.epochs);
+  const auto strokes_of = [&](int epoch) {
+    return generates
+               ? GenerateStrokes(config.generate, config.surrogate.cell_size_m, request.seed, epoch)
+               : recorded;
+  };
   std::optional<Safetensors> state;  // after the last whole epoch
   double written_s = 0;
   const auto patient = [&] { return report.epochs - report.best_epoch < config.patience; };
   while (report.epochs < last_epoch && patient()) {
     const int epoch = report.epochs + 1;
     ErrorSum error;
-    report.stopped = !trainer.RunEpoch(epoch, error);
+    report.stopped = !trainer.RunEpoch(epoch, strokes_of(epoch).strokes, error);
     if (report.stopped) break;
     report.epochs = epoch;
     report.train_rmse_mm = error.rmse_mm();
@@ -327,7 +336,7 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
   report.seconds = progress.elapsed_s();
   if (report.epochs == 0) ThrowIfStopRequested();
   std::vector<SurrogateInput> inputs;
-  for (FitSample& sample : RecordedSamples(data, config.surrogate))
+  for (FitSample& sample : RecordedSamples(strokes_of(report.epochs), config.surrogate))
     inputs.push_back(std::move(sample.input));
   TrainingRange(inputs).Save(report.model);
   return report;

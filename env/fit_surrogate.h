@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "env/generated_strokes.h"
 #include "env/surrogate.h"
 
 namespace sandwright {
@@ -20,6 +21,7 @@ struct FitConfig {
   double turn_deg = 0;     // each sample is turned by up to this, both ways
   double shift_cells = 0;  // and shifted by up to this, along both axes
   int64_t pushforward_steps = 1;
+  GeneratedStrokes generate;  // trained on where there are no recorded strokes
   SurrogateConfig surrogate;  // the model that is trained
 
   void Fields(FieldList& f) {
@@ -36,12 +38,14 @@ struct FitConfig {
     f.Add("pushforward_steps", pushforward_steps,
           "a sample starts up to this many strokes back, less one, from the model's own prediction",
           1, 100);
+    f.Section("generate", generate);
     f.Section("surrogate", surrogate);
   }
 };
 
 struct FitRequest {
-  std::vector<std::filesystem::path> data, validation;  // stroke files; validation may be empty
+  // Stroke files. Without data each pass trains on new strokes of config.generate.
+  std::vector<std::filesystem::path> data, validation;
   std::optional<std::filesystem::path> init;  // start from this surrogate's net, of the same shape
   uint64_t seed = 0;
   int threads = 1;  // of torch; the same seed gives the same bytes for the same count

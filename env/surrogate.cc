@@ -7,6 +7,7 @@
 
 #include "data/base/parallel.h"
 #include "env/blade_path.h"
+#include "env/coarse_heightfield.h"
 #include "env/surrogate_encoding.h"
 #include "env/surrogate_paste.h"
 
@@ -45,7 +46,9 @@ std::vector<Outcome> Surrogate::ApplyChecked(std::span<SandState> states,
                                              std::span<const ToolPath> paths) const {
   const std::vector<SandState> before(states.begin(), states.end());
   std::vector<Outcome> outcomes(states.size());
-  if (config_.net.uses_heightfield()) outcomes = heightfield_.Apply(states, paths);
+  if (config_.net.uses_heightfield())
+    outcomes = ApplyOnCoarseCells(heightfield_, static_cast<int>(config_.heightfield_cells), states,
+                                  paths);
   ParallelFor(static_cast<int>(states.size()), static_cast<int>(config_.threads), [&](int index) {
     const auto i = static_cast<size_t>(index);
     if (!config_.net.uses_heightfield()) {
@@ -90,9 +93,7 @@ void Surrogate::Correct(const HeightMap& before, const ToolPath& path, SandState
   state.Replace(std::move(map));
 }
 
-Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads) {
-  const std::string source = file.string();
-  const Safetensors content = ReadSafetensors(file);
+SurrogateConfig SurrogateConfigOf(const Safetensors& content, const std::string& source) {
   const auto schema = content.metadata.find("schema");
   if (schema == content.metadata.end() || schema->second != "sandwright-surrogate")
     throw Error(fmt::format(
@@ -106,8 +107,14 @@ Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads) {
     throw Error(fmt::format("{}: metadata config is not JSON: {}", source, e.what()));
   }
   LoadJson(FieldsOf(config), json, source + ": config");
+  return config;
+}
+
+Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads) {
+  const Safetensors content = ReadSafetensors(file);
+  SurrogateConfig config = SurrogateConfigOf(content, file.string());
   config.threads = config.heightfield.threads = threads;
-  return Surrogate(config, content, source);
+  return Surrogate(config, content, file.string());
 }
 
 }  // namespace sandwright

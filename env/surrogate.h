@@ -14,7 +14,8 @@ struct SurrogateConfig {
   double cell_size_m = 0.004;   // the cells it was trained on: it works on no others
   bool conserve_volume = true;  // what the net adds and takes is the same volume; fluxes do anyhow
   double reach_m = 0;           // of the net beyond the path; 0: the whole window
-  int64_t threads = 1;          // for a batch of strokes
+  int64_t heightfield_cells = 1;  // side of the heightfield's cells, in cells of the map
+  int64_t threads = 1;            // for a batch of strokes
   SurrogateNetConfig net;
   HeightfieldConfig heightfield;  // what the net was trained on top of, its blade included
 
@@ -24,6 +25,8 @@ struct SurrogateConfig {
           "what the net adds and takes is the same volume; fluxes conserve it anyhow");
     f.Add("reach_m", reach_m, "how far from the path the net corrects; 0: the whole window [m]", 0,
           1);
+    f.Add("heightfield_cells", heightfield_cells,
+          "side of the cells that the heightfield inside works on [cells of the maps]", 1, 8);
     f.Add("threads", threads, "threads for a batch of strokes", 1, 1024);
     f.Section("net", net);
     f.Section("heightfield", heightfield);
@@ -57,8 +60,11 @@ class Surrogate final : public SandModel {
   SurrogateNet net_;
 };
 
-// A file that `fit` wrote: metadata "schema" = "sandwright-surrogate" and "config" (the resolved
-// SurrogateConfig as JSON), and the net's tensors. Error naming the file and what is wrong.
+// The metadata of a file that `fit` wrote: "schema" = "sandwright-surrogate" and "config" (the
+// resolved SurrogateConfig as JSON). Error naming `source` and what is wrong.
+SurrogateConfig SurrogateConfigOf(const Safetensors& content, const std::string& source);
+
+// The whole file, the net's tensors with it. Error naming the file and what is wrong.
 Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads);
 
 }  // namespace sandwright

@@ -160,6 +160,35 @@ TEST(FitSurrogate, ContinuesFromAnotherAndNamesTheBatchThatBreaks) {
               ThrowsMessage<Error>(HasSubstr("another shape")));
 }
 
+TEST(FitSurrogate, LearnsFromStrokesMadeAnewInEachPass) {
+  FitConfig config = SmallFit(2);
+  config.surrogate.net.architecture = "direct";
+  config.generate.strokes = 20;
+  config.generate.width_m = config.generate.depth_m = 0.2;
+  const FitReport report = FitSurrogate(config, {{}, {}, {}, 3, 1});
+  EXPECT_EQ(report.strokes, 20);
+  EXPECT_EQ(FitSurrogate(config, {{}, {}, {}, 3, 1}).model.tensors.at("head.weight").values,
+            report.model.tensors.at("head.weight").values);
+
+  const auto heights = [&](uint64_t seed, int epoch) {
+    const FitStrokes made = GenerateStrokes(config.generate, 0.004, seed, epoch);
+    EXPECT_EQ(made.strokes[3].behind, 3u);
+    EXPECT_EQ(made.strokes[4].behind, 0u);
+    EXPECT_EQ(made.strokes[2].record.before.height_m, made.strokes[1].record.after.height_m);
+    return made.strokes.back().record.after.height_m;
+  };
+  EXPECT_EQ(heights(3, 1), heights(3, 1));
+  EXPECT_NE(heights(3, 1), heights(3, 2));
+  EXPECT_NE(heights(3, 1), heights(4, 1));
+
+  config.generate.width_m = 0.201;
+  EXPECT_THAT(
+      [&] {
+        FitSurrogate(config, {{}, {}, {}, 3, 1});
+      },
+      ThrowsMessage<Error>(HasSubstr("generate.width_m = 0.201")));
+}
+
 TEST(FitSurrogate, RefusesABedInBothSetsAndAnotherBlade) {
   const auto bed = WriteBed("a", 0.10);
   EXPECT_THAT(
