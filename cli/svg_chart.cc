@@ -49,7 +49,7 @@ std::string DrawChart(const Chart& chart) {
                                           : RoundAxis(x_low, x_high, 8);
   const Axis y_axis = RoundAxis(y_low, y_high, 5);
 
-  const double left = 56, right = 12, top = 14, bottom = 64;
+  const double left = 56, right = 24, top = 14, bottom = 64;
   const double plot_width = chart.width_px - left - right,
                plot_height = chart.height_px - top - bottom;
   const auto px = [&](double x) { return left + x_axis.Share(scaled(x)) * plot_width; };

@@ -24,9 +24,6 @@ struct GrainBed {
 // Gaussian of `blur_m` as a camera's pixels do. The cell size is the box's width over `columns`.
 HeightMap SurfaceOf(const GrainBed& bed, int rows, int columns, double blur_m);
 
-// Deepest overlap of two grains over their mean diameter [1].
-double DeepestOverlap(const std::vector<Grain>& grains);
-
 // Grains in a file: dataset grains_m [n, 4] float64 of x, y, z, radius.
 std::vector<Grain> ReadGrains(const H5::H5File& file, const std::string& where);
 void WriteGrains(const std::vector<Grain>& grains, H5::H5File& file);

@@ -14,6 +14,7 @@
 #include "data/base/machine.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/simulated_beds.h"
+#include "tests/support/tag_corners.h"
 
 namespace sandwright {
 namespace {
@@ -89,24 +90,12 @@ nlohmann::json SimulatedFigures(int seeds) {
   return result;
 }
 
-// Distances in plan from the inner corners that the corner tags of the infrared frame show (how
-// they were measured: tests/data/scan_real_test.cc).
+// Distances in plan from the inner corners that the corner tags of the infrared frame show [mm].
 nlohmann::json TagCornerErrors(const ScanResult& scan) {
-  struct Corner {
-    double u, v, tag_m, sand_m;
-  };
-  const std::array<Corner, 4> measured = {{{99.89, 380.94, 1.076, 1.272},
-                                           {450.86, 386.60, 1.066, 1.231},
-                                           {452.00, 100.73, 1.063, 1.232},
-                                           {100.60, 100.62, 1.075, 1.282}}};
-  const Eigen::Vector2d down(0.01074, -0.00239);
+  const auto feet = TagCorners();
   nlohmann::json errors;
-  for (size_t i = 0; i < 4; ++i) {
-    const Corner& c = measured[i];
-    const Eigen::Vector2d rim((c.u - 256) * c.tag_m / 366, (c.v - 212) * c.tag_m / 366);
-    const Eigen::Vector2d foot = rim + (c.sand_m - c.tag_m) * down;
-    errors.push_back(1000 * (scan.corners_C[i].head<2>() - foot).norm());
-  }
+  for (size_t i = 0; i < 4; ++i)
+    errors.push_back(1000 * (scan.corners_C[i].head<2>() - feet[i]).norm());
   return errors;
 }
 
@@ -137,13 +126,12 @@ nlohmann::json RealFigures() {
 }  // namespace
 
 void Main(int seeds, const char* file) {
-  const nlohmann::json result = {
-      {"command", fmt::format("scan_figures {} {}", seeds, file)},
-      {"commit", BuildCommit()},
-      {"machine", MachineDescription()},
-      {"threads_used", 1},
-      {"simulated_beds", SimulatedFigures(seeds)},
-      {"real_frame", RealFigures()}};
+  const nlohmann::json result = {{"command", fmt::format("scan_figures {} {}", seeds, file)},
+                                 {"commit", BuildCommit()},
+                                 {"machine", MachineDescription()},
+                                 {"threads_used", 1},
+                                 {"simulated_beds", SimulatedFigures(seeds)},
+                                 {"real_frame", RealFigures()}};
   WriteFileAtomically(file, result.dump(2) + "\n");
 }
 

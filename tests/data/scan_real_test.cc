@@ -8,6 +8,7 @@
 #include "data/base/random.h"
 #include "data/scan.h"
 #include "tests/support/shared_data.h"
+#include "tests/support/tag_corners.h"
 
 namespace sandwright {
 namespace {
@@ -18,7 +19,8 @@ using ::testing::HasSubstr;
 const CameraModel kKinect;
 
 // Changes of the frame: where each pixel of the new picture looks in the old one.
-DepthFrame Warped(const DepthFrame& frame, const cv::Matx23f& new_from_old, double depth_factor = 1) {
+DepthFrame Warped(const DepthFrame& frame, const cv::Matx23f& new_from_old,
+                  double depth_factor = 1) {
   const cv::Mat image(frame.height, frame.width, CV_32F, const_cast<float*>(frame.depth_m.data()));
   cv::Mat warped;
   cv::warpAffine(image, warped, new_from_old, image.size(), cv::INTER_NEAREST);
@@ -34,7 +36,8 @@ DepthFrame Reprojected(const DepthFrame& frame, const Eigen::Isometry3d& X_NC) {
       const double z = frame.At(u, v);
       if (!(z > 0)) continue;
       const Eigen::Vector3d p = X_NC * Eigen::Vector3d((u - 256) * z / 366, (v - 212) * z / 366, z);
-      const long a = std::lround(366 * p.x() / p.z() + 256), b = std::lround(366 * p.y() / p.z() + 212);
+      const long a = std::lround(366 * p.x() / p.z() + 256),
+                 b = std::lround(366 * p.y() / p.z() + 212);
       if (a < 0 || b < 0 || a >= frame.width || b >= frame.height) continue;
       float& seen = out.depth_m[static_cast<size_t>(b * frame.width + a)];
       if (seen == 0 || p.z() < seen) seen = static_cast<float>(p.z());
@@ -46,8 +49,9 @@ DepthFrame Reprojected(const DepthFrame& frame, const Eigen::Isometry3d& X_NC) {
 // A turn about the middle of the sand, 1.26 m below the camera.
 Eigen::Isometry3d TurnedAboutSand(double x_deg, double y_deg) {
   const Eigen::Translation3d middle(0.06, 0.09, 1.26);
-  return Eigen::Isometry3d(middle * Eigen::AngleAxisd(x_deg * M_PI / 180, Eigen::Vector3d::UnitX()) *
-                           Eigen::AngleAxisd(y_deg * M_PI / 180, Eigen::Vector3d::UnitY()) * middle.inverse());
+  return Eigen::Isometry3d(
+      middle * Eigen::AngleAxisd(x_deg * M_PI / 180, Eigen::Vector3d::UnitX()) *
+      Eigen::AngleAxisd(y_deg * M_PI / 180, Eigen::Vector3d::UnitY()) * middle.inverse());
 }
 
 class ScanReal : public ::testing::Test {
@@ -69,28 +73,11 @@ class ScanReal : public ::testing::Test {
   DepthFrame frame_;
 };
 
-// The inner corners, measured in the infrared frame of the same sensor. The four ArUco tags (4x4, ids
-// 13, 5, 1, 9) stand on the posts in the corners; the rims of the walls' inner faces pass beside their
-// centres by up to 4 px and meet at the pixels below (lines fitted to the rims' edges over the free
-// part of each wall). The tags' own depth readings give their range; the walls' readings beside them
-// are useless, bent by up to 150 mm by the light between sand and wall. The corners are dropped from
-// there to the sand along the normal of the plane through the four. Nominal intrinsics throughout.
 TEST_F(ScanReal, CornersLieWhereTheTagsShowThem) {
-  struct Corner {
-    double u, v, tag_m, sand_m;
-  };
-  const std::array<Corner, 4> measured = {{{99.89, 380.94, 1.076, 1.272},
-                                           {450.86, 386.60, 1.066, 1.231},
-                                           {452.00, 100.73, 1.063, 1.232},
-                                           {100.60, 100.62, 1.075, 1.282}}};
-  const Eigen::Vector3d down = Eigen::Vector3d(0.01074, -0.00239, 1);  // of the tags' plane, z = 1
+  const auto feet = TagCorners();
   const ScanResult scan = Accepted(frame_);
-  for (size_t i = 0; i < 4; ++i) {
-    const Corner& c = measured[i];
-    const Eigen::Vector3d rim((c.u - 256) * c.tag_m / 366, (c.v - 212) * c.tag_m / 366, c.tag_m);
-    const Eigen::Vector3d foot = rim + (c.sand_m - c.tag_m) * down;
-    EXPECT_LT((scan.corners_C[i] - foot).head<2>().norm(), 0.010) << i;  // 9.4, 2.6, 5.1, 4.8 mm
-  }
+  for (size_t i = 0; i < 4; ++i)
+    EXPECT_LT((scan.corners_C[i].head<2>() - feet[i]).norm(), 0.010) << i;  // 9.4, 2.6, 5.1, 4.8 mm
 }
 
 TEST_F(ScanReal, MapHoldsTheSandAlone) {
@@ -119,7 +106,8 @@ TEST_F(ScanReal, PassesShifted) {
 TEST_F(ScanReal, PassesTurnedInThePicture) {
   for (double degrees : {10.0, -10.0, 45.0, 90.0}) {
     SCOPED_TRACE(degrees);
-    const auto c = static_cast<float>(std::cos(degrees * M_PI / 180)), s = static_cast<float>(std::sin(degrees * M_PI / 180));
+    const auto c = static_cast<float>(std::cos(degrees * M_PI / 180)),
+               s = static_cast<float>(std::sin(degrees * M_PI / 180));
     Accepted(Warped(frame_, {c, s, 256 - c * 256 - s * 212, -s, c, 212 + s * 256 - c * 212}));
   }
 }
@@ -135,7 +123,8 @@ TEST_F(ScanReal, PassesNearerAndFurther) {
   for (float scale : {0.8f, 1.25f}) {
     SCOPED_TRACE(scale);
     // Depth and pixels together, about the optical axis: the same box from another distance.
-    Accepted(Warped(frame_, {1 / scale, 0, 256 - 256 / scale, 0, 1 / scale, 212 - 212 / scale}, scale));
+    Accepted(
+        Warped(frame_, {1 / scale, 0, 256 - 256 / scale, 0, 1 / scale, 212 - 212 / scale}, scale));
     Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
     moved.translation().z() = 1.26 * (scale - 1);
     Accepted(Reprojected(frame_, moved));
@@ -163,7 +152,8 @@ TEST_F(ScanReal, SaysWhenAWallIsNotClear) {
               Contains(HasSubstr("state the box's size")));
   ScanPlace place;
   place.box_size_m = Eigen::Vector2d(1.2, 0.8);
-  EXPECT_THAT(ScanDepth({&frame_, 1}, kKinect, {}, place).reasons, Contains(HasSubstr("the stated size is 1200 mm")));
+  EXPECT_THAT(ScanDepth({&frame_, 1}, kKinect, {}, place).reasons,
+              Contains(HasSubstr("the stated size is 1200 mm")));
 }
 
 // From there the robot's arm above the far wall hides it, and its own edge is the innermost one.
@@ -179,9 +169,11 @@ TEST(ScanRealHeights, SandPassesAndTheRestIsRefused) {
   const auto scan = [&](const std::string& name) {
     return ScanHeights(ReadNumpy(SharedFile("data/scans/" + name + ".npz")), 1e-3, config);
   };
-  if (!std::filesystem::exists(SharedFile("data/scans/terrain_01.npz"))) GTEST_SKIP() << "no shared scans";
-  for (const char* name : {"terrain_01", "terrain_02", "terrain_03", "terrain_04", "terrain_08", "terrain_09",
-                           "terrain_11_channels", "terrain_21", "terrain_22", "terrain_small_110x160", "pair_a_before"})
+  if (!std::filesystem::exists(SharedFile("data/scans/terrain_01.npz")))
+    GTEST_SKIP() << "no shared scans";
+  for (const char* name : {"terrain_01", "terrain_02", "terrain_03", "terrain_04", "terrain_08",
+                           "terrain_09", "terrain_11_channels", "terrain_21", "terrain_22",
+                           "terrain_small_110x160", "pair_a_before"})
     EXPECT_TRUE(scan(name).accepted) << name;
   const ScanResult tilted = scan("tilted_plane");
   EXPECT_TRUE(tilted.accepted);

@@ -44,6 +44,26 @@ class DemTest : public testing::Test {
   }
 };
 
+// Deepest overlap of two grains over their mean diameter [1].
+double DeepestOverlap(const std::vector<Grain>& grains) {
+  // Sorted along x: only grains within one diameter of each other there can touch.
+  std::vector<Grain> sorted = grains;
+  std::ranges::sort(sorted, {}, &Grain::x_m);
+  double widest = 0, deepest = 0;
+  for (const Grain& g : sorted) widest = std::max(widest, 2 * g.radius_m);
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    const Grain& a = sorted[i];
+    for (size_t j = i + 1; j < sorted.size() && sorted[j].x_m - a.x_m < widest; ++j) {
+      const Grain& b = sorted[j];
+      const double reach = a.radius_m + b.radius_m;
+      if (std::abs(b.y_m - a.y_m) >= reach || std::abs(b.z_m - a.z_m) >= reach) continue;
+      const double distance = std::hypot(b.x_m - a.x_m, b.y_m - a.y_m, b.z_m - a.z_m);
+      deepest = std::max(deepest, (reach - distance) / reach);
+    }
+  }
+  return deepest;
+}
+
 double MeanHeight(const HeightMap& map) {
   return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0) /
          static_cast<double>(map.size());

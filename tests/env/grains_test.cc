@@ -28,14 +28,5 @@ TEST(Grains, BlurKeepsALevelSurface) {
   for (const float h : SurfaceOf(bed, 20, 20, 0.004).height_m) EXPECT_NEAR(h, 0.021, 3e-4);
 }
 
-TEST(Grains, DeepestOverlapIsOverTheMeanDiameter) {
-  EXPECT_EQ(DeepestOverlap({}), 0);
-  EXPECT_EQ(DeepestOverlap({{0, 0, 0, 0.003}, {0.006, 0, 0, 0.003}}), 0);
-  // Centres 5 mm apart, radii 3 and 3.
-  EXPECT_NEAR(DeepestOverlap({{0, 0, 0, 0.003}, {0, 0.005, 0, 0.003}, {0.02, 0, 0, 0.003}}),
-              1 / 6.0, 1e-12);
-  EXPECT_NEAR(DeepestOverlap({{0.002, 0, 0, 0.001}, {0, 0, 0, 0.004}}), 3 / 5.0, 1e-12);
-}
-
 }  // namespace
 }  // namespace sandwright
