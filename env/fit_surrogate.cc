@@ -74,11 +74,18 @@ class Trainer {
       : config_(config),
         seed_(seed),
         net_(config.surrogate.net, RandomStream(seed, StreamId("fit.parameters"))),
+        mean_(config.surrogate.net, RandomStream(seed, StreamId("fit.parameters"))),
         optimiser_(
             net_.parameters(),
             torch::optim::AdamWOptions(config.learning_rate).weight_decay(config.weight_decay)) {}
 
-  TrainingNet& net() { return net_; }
+  // The running mean of the weights: what predicts.
+  const TrainingNet& mean() const { return mean_; }
+
+  void StartFrom(const Safetensors& model, const std::string& source) {
+    net_.Load(model, source);
+    mean_.Load(model, source);
+  }
 
   // One pass over all strokes; false when a stop was requested in the middle.
   bool RunEpoch(int epoch, const std::vector<FitStroke>& strokes, ErrorSum& error) {
@@ -102,9 +109,10 @@ class Trainer {
     return true;
   }
 
-  // Parameters and the optimiser's moments. Load: after at least one step was saved.
+  // Parameters, their mean and the optimiser's moments. Load: after at least one step was saved.
   void Save(Safetensors& state) {
     net_.Save(state);
+    mean_.Save(state, "mean.");
     for (size_t i = 0; i < net_.parameters().size(); ++i) {
       const auto& moments = Moments(i);
       state.tensors["adam.mean." + std::to_string(i)] = ToNamed(moments.exp_avg());
@@ -114,6 +122,7 @@ class Trainer {
   }
   void Load(const Safetensors& state, const std::string& source) {
     net_.Load(state, source);
+    mean_.Load(state, source, "mean.");
     for (size_t i = 0; i < net_.parameters().size(); ++i) {
       const torch::Tensor& parameter = net_.parameters()[i];
       const auto take = [&](const std::string& name) {
@@ -195,13 +204,18 @@ class Trainer {
     loss.backward();
     torch::nn::utils::clip_grad_norm_(net_.parameters(), 1.0);
     optimiser_.step();
+    {
+      const torch::NoGradGuard no_grad;
+      for (size_t i = 0; i < net_.parameters().size(); ++i)
+        torch::Tensor(mean_.parameters()[i]).lerp_(net_.parameters()[i], 1 / config_.average_steps);
+    }
     error.squared += (prediction - batch.target).detach().square().sum().item<double>();
     error.cells += cells.item<double>();
   }
 
   const FitConfig& config_;
   uint64_t seed_;
-  TrainingNet net_;
+  TrainingNet net_, mean_;
   torch::optim::AdamW optimiser_;
 };
 
@@ -286,7 +300,7 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
   report.validation_strokes = static_cast<int>(validation.size());
   report.model.metadata = Metadata(config, request, recorded, validation_strokes);
   Trainer trainer(config, request.seed);
-  if (request.init) trainer.net().Load(ReadSafetensors(*request.init), request.init->string());
+  if (request.init) trainer.StartFrom(ReadSafetensors(*request.init), request.init->string());
   if (request.resume) Restore(request.state.value(), trainer, report);
   if (!validation.empty()) report.validation_start_rmse_mm = StartError(validation).rmse_mm();
 
@@ -312,13 +326,13 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
     std::string note = "training " + Millimetres(report.train_rmse_mm);
     if (validation.empty()) {
       report.best_epoch = epoch;
-      trainer.net().Save(report.model);
+      trainer.mean().Save(report.model);
     } else {
-      const double rmse_mm = Evaluate(trainer.net(), validation).rmse_mm();
+      const double rmse_mm = Evaluate(trainer.mean(), validation).rmse_mm();
       if (!report.validation_rmse_mm || rmse_mm < *report.validation_rmse_mm) {
         report.validation_rmse_mm = rmse_mm;
         report.best_epoch = epoch;
-        trainer.net().Save(report.model);
+        trainer.mean().Save(report.model);
       }
       note += ", validation " + Millimetres(rmse_mm) + ", best " +
               Millimetres(*report.validation_rmse_mm) + ", at first " +

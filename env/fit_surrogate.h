@@ -16,10 +16,11 @@ struct FitConfig {
   int64_t batch_size = 2;
   double learning_rate = 1e-3;  // of AdamW at the start; falls to zero along a cosine
   double weight_decay = 1e-3;
-  double huber_mm = 2.0;   // errors beyond it count linearly
-  int64_t patience = 40;   // epochs without a better validation error before the end
-  double turn_deg = 0;     // each sample is turned by up to this, both ways
-  double shift_cells = 0;  // and shifted by up to this, along both axes
+  double huber_mm = 2.0;     // errors beyond it count linearly
+  double average_steps = 1;  // of the running mean of the weights that is kept; 1: the last ones
+  int64_t patience = 40;     // epochs without a better validation error before the end
+  double turn_deg = 0;       // each sample is turned by up to this, both ways
+  double shift_cells = 0;    // and shifted by up to this, along both axes
   int64_t pushforward_steps = 1;
   GeneratedStrokes generate;  // trained on where there are no recorded strokes
   SurrogateConfig surrogate;  // the model that is trained
@@ -31,6 +32,9 @@ struct FitConfig {
           1e-7, 1);
     f.Add("weight_decay", weight_decay, "of AdamW", 0, 1);
     f.Add("huber_mm", huber_mm, "errors beyond it count linearly [mm]", 0.01, 1000);
+    f.Add("average_steps", average_steps,
+          "the weights that are kept are a running mean over about so many steps; 1: the last ones",
+          1, 1e6);
     f.Add("patience", patience, "epochs without a better validation error before the end", 1,
           100000);
     f.Add("turn_deg", turn_deg, "each sample is turned by up to this, both ways [deg]", 0, 180);
@@ -74,7 +78,8 @@ struct FitReport {
 // is, at random, the recorded one or what the net as it stands makes of the one 1..k-1 strokes
 // earlier; no gradient runs through that (Brandstetter, Worrall, Welling, "Message passing neural
 // PDE solvers", ICLR 2022, the pushforward trick). With validation strokes the epoch with the least
-// squared error on them is kept, else the last.
+// squared error on them is kept, else the last. What is kept is an exponential mean of the weights
+// over about average_steps steps.
 //
 // Error: a bed that is in both sets, a blade or shape that does not fit, cells that do not divide
 // the maps, a loss that is not finite (the batch is named), a state of another fit. Ctrl-C before

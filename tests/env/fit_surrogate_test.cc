@@ -110,6 +110,7 @@ TEST(FitSurrogate, AnInterruptedFitGoesOnBitForBit) {
   FitConfig config = SmallFit(5);
   config.turn_deg = 20;
   config.shift_cells = 0.5;
+  config.average_steps = 3;
   config.pushforward_steps = 2;
   const FitReport whole = FitSurrogate(config, request);
   request.state = std::filesystem::path(::testing::TempDir()) / "fit.state";
