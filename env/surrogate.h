@@ -6,6 +6,7 @@
 
 #include "env/heightfield.h"
 #include "env/surrogate_net.h"
+#include "env/training_range.h"
 
 namespace sandwright {
 
@@ -55,6 +56,7 @@ class Surrogate final : public SandModel {
   SurrogateConfig config_;
   Heightfield heightfield_;
   SurrogateNet net_;
+  std::optional<TrainingRange> range_;  // of the strokes it was trained on; older files have none
 };
 
 // A file that `fit` wrote: metadata "schema" = "sandwright-surrogate" and "config" (the resolved
