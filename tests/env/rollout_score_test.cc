@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace sandwright {
@@ -14,7 +15,7 @@ void AddSequence(RolloutScore& score, int steps, double first_mm, double p) {
     HeightMap prediction = truth;
     for (float& h : prediction.height_m)
       h += static_cast<float>(1e-3 * first_mm * std::pow(step, p));
-    score.Add(step, truth, prediction, {0, 0, step, 10});
+    score.Add(step, truth, prediction, {0, 0, std::min(step, 10), 10});
   }
 }
 
