@@ -58,7 +58,8 @@ cv::Mat DrawScoredStroke(const std::string& title, const HeightMap& before, cons
                 cv::Rect(window.column0 * scale, (before.rows - window.row1) * scale,
                          window.columns() * scale, window.rows() * scale),
                 cv::Scalar(120, 120, 120));
-  const char* captions[] = {"before, and the stroke", "truth", "prediction", "prediction - truth"};
+  const char* captions[] = {"before, and the stroke", "truth", "prediction",
+                            "prediction - truth (red: too high)"};
 
   const int width = std::max(panels[0].cols, kPanel_px), height = panels[0].rows;
   const int column = width + kGap_px, top = kTitle_px + kCaption_px;
@@ -78,9 +79,8 @@ cv::Mat DrawScoredStroke(const std::string& title, const HeightMap& before, cons
   DrawBar(image,
           DrawDifference(Ramp(width, -kErrorColours_m, kErrorColours_m), Ramp(width, 0, 0),
                          kErrorColours_m),
-          {kGap_px + 3 * column, bars}, fmt::format("-{:.0f} mm (too low)", 1e3 * kErrorColours_m),
-          "0", fmt::format("+{:.0f} mm (too high)", 1e3 * kErrorColours_m));
-  Write(image, "frame: the cells that count", {kGap_px + 2 * column, bars + 10});
+          {kGap_px + 3 * column, bars}, fmt::format("-{:.0f} mm", 1e3 * kErrorColours_m), "0",
+          fmt::format("+{:.0f} mm", 1e3 * kErrorColours_m));
   const int length_px = static_cast<int>(blade.width_m / before.cell_size_m * scale);
   cv::line(image, {kGap_px, bars + 6}, {kGap_px + length_px, bars + 6}, cv::Scalar(40, 40, 40), 3);
   Write(image, fmt::format("{:.0f} mm, the blade's width", 1e3 * blade.width_m),

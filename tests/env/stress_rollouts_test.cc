@@ -64,7 +64,7 @@ TEST(StressRollouts, SeeWhatIsBroken) {
   EXPECT_EQ(high.too_high, 100);
   EXPECT_NEAR(high.rollout_drift_rel, 0.1 / (0.02 * 60 * 60), 1e-6);
   EXPECT_GT(high.slope_last, 50 * high.slope_first);
-  EXPECT_EQ(run(-0.001f).below_floor, 80);
+  EXPECT_EQ(run(-0.0015f).below_floor, 100 - 13);  // 20 mm last 13 strokes
   EXPECT_EQ(run(NAN).not_finite, 1);
 }
 
