@@ -101,16 +101,15 @@ class BenchCommand final : public Command {
                               .threads = threads()};
     Progress progress("surrogate", config.strokes, "strokes");
     const auto tallies = RunStressRollouts(*model, config, [&](int64_t n) { progress.Update(n); });
-    fmt::print("{:20} {:>8} {:>8} {:>5} {:>7} {:>9} {:>9} {:>9} {:>9} {:>6} {:>6} {:>6} {:>9}\n",
-               "bed", "strokes", "limited", "NaN", "< floor", "too high", "room mm", "drift/1",
-               "drift/all", "slope", "first", "last", "ms/stroke");
+    fmt::print("{:20} {:>8} {:>8} {:>5} {:>7} {:>9} {:>9} {:>9} {:>6} {:>6} {:>6} {:>9}\n", "bed",
+               "strokes", "limited", "NaN", "< floor", "too high", "drift/1", "drift/all", "slope",
+               "first", "last", "ms/stroke");
     for (const StressTally& t : tallies) {
       fmt::print(
-          "{:20} {:8} {:8} {:5} {:7} {:9} {:9.1f} {:9.1e} {:9.1e} {:6.2f} {:6.2f} {:6.2f} "
+          "{:20} {:8} {:8} {:5} {:7} {:9} {:9.1e} {:9.1e} {:6.2f} {:6.2f} {:6.2f} "
           "{:9.2f}\n",
-          t.bed, t.strokes, t.limited, t.not_finite, t.below_floor, t.too_high, 1e3 * t.closest_m,
-          t.stroke_drift_rel, t.rollout_drift_rel, t.steepest, t.slope_first, t.slope_last,
-          t.ms_per_stroke);
+          t.bed, t.strokes, t.limited, t.not_finite, t.below_floor, t.too_high, t.stroke_drift_rel,
+          t.rollout_drift_rel, t.steepest, t.slope_first, t.slope_last, t.ms_per_stroke);
       nlohmann::json row = t.ToJson();
       row["model"] = model_;
       Keep("surrogate", std::move(row));

@@ -100,11 +100,8 @@ StressTally RunRollout(const SandModel& model, const StressConfig& config, int64
     }
     const auto [lowest, highest] = std::ranges::minmax(after.height_m);
     tally.below_floor += lowest < 0;
-    const double room_m = HighestPossible(std::ranges::max(before.height_m),
-                                          outcome.moved_volume_m3, config.repose_deg) -
-                          highest;
-    tally.too_high += room_m < 0;
-    tally.closest_m = std::min(tally.closest_m, room_m);
+    tally.too_high += highest > HighestPossible(std::ranges::max(before.height_m),
+                                                outcome.moved_volume_m3, config.repose_deg);
     tally.stroke_drift_rel = std::max(tally.stroke_drift_rel, Drift(before, after));
     tally.slope_last = SteepestFace(after) / repose;
     if (k == 0) tally.slope_first = tally.slope_last;
@@ -124,7 +121,6 @@ void Include(const StressTally& rollout, StressTally& all) {
   all.not_finite += rollout.not_finite;
   all.below_floor += rollout.below_floor;
   all.too_high += rollout.too_high;
-  all.closest_m = std::min(all.closest_m, rollout.closest_m);
   all.stroke_drift_rel = std::max(all.stroke_drift_rel, rollout.stroke_drift_rel);
   all.rollout_drift_rel = std::max(all.rollout_drift_rel, rollout.rollout_drift_rel);
   all.steepest = std::max(all.steepest, rollout.steepest);
@@ -143,7 +139,6 @@ nlohmann::json StressTally::ToJson() const {
           {"not_finite", not_finite},
           {"below_floor", below_floor},
           {"too_high", too_high},
-          {"closest_to_highest_possible_m", closest_m},
           {"stroke_drift_rel", stroke_drift_rel},
           {"rollout_drift_rel", rollout_drift_rel},
           {"steepest_over_repose", steepest},

@@ -31,7 +31,6 @@ struct StressTally {
   int64_t not_finite = 0;       // strokes after which a height was no number
   int64_t below_floor = 0;      // strokes after which a height was negative
   int64_t too_high = 0;         // strokes after which sand stood higher than HighestPossible
-  double closest_m = 1e9;       // least distance of the highest sand from that bound
   double stroke_drift_rel = 0;  // largest |change of the volume| in a stroke, over the bed's volume
   double rollout_drift_rel = 0;            // the same over a rollout
   double steepest = 0;                     // slope over that at repose, after any stroke
