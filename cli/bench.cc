@@ -10,8 +10,10 @@
 #include "data/base/progress.h"
 #include "data/stroke_dataset.h"
 #include "env/grain_checks.h"
+#include "env/load_sand_model.h"
 #include "env/random_strokes.h"
 #include "env/sand_bench.h"
+#include "env/stress_rollouts.h"
 
 namespace sandwright {
 namespace {
@@ -26,11 +28,15 @@ class BenchCommand final : public Command {
     app.add_option(
            "--suite", suites_,
            "what to measure, one or several: sand; grains (a check of the grains, slow) and coarse "
-           "(coarser grains on --data, slow), which need LAMMPS; hard (random strokes); all")
-        ->check(CLI::IsMember({"sand", "grains", "coarse", "hard", "all"}))
+           "(coarser grains on --data, slow), which need LAMMPS; hard (random strokes); surrogate "
+           "(rollouts of --model on the worst beds); all")
+        ->check(CLI::IsMember({"sand", "grains", "coarse", "hard", "surrogate", "all"}))
         ->capture_default_str();
     app.add_option("--data", data_, "stroke files or folders: errors on recorded strokes too");
-    app.add_option("--strokes", strokes_, "random strokes of suite hard")->capture_default_str();
+    app.add_option("--strokes", strokes_,
+                   "random strokes; suite hard: 100000, surrogate: 1000 where not given")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--model", model_, "of suite surrogate")->capture_default_str();
     app.add_option("--picture", picture_, "speed against error on --data (.svg)");
     app.add_option("--floor-mm", floor_mm_, "noise floor to draw into the picture [mm]");
   }
@@ -46,6 +52,7 @@ class BenchCommand final : public Command {
     if (Wants("coarse")) RunCoarse();
     if (Wants("grains")) RunGrains();
     if (Wants("hard")) RunHard();
+    if (Wants("surrogate")) RunSurrogate();
     if (!picture_.empty()) WriteFileAtomically(picture_, DrawChartFile(SpeedAgainstError()));
     WriteResult({{"rows", rows_}});
     return 0;
@@ -73,15 +80,59 @@ class BenchCommand final : public Command {
   }
 
   void RunHard() {
-    Progress progress("hard", static_cast<int>(strokes_), "strokes");
+    const int64_t strokes = strokes_.value_or(100000);
+    Progress progress("hard", strokes, "strokes");
     const RandomStrokeTally tally =
-        RunRandomStrokes(bench_.heightfield, strokes_, seed(), threads(), [&](const auto& so_far) {
+        RunRandomStrokes(bench_.heightfield, strokes, seed(), threads(), [&](const auto& so_far) {
           progress.Update(static_cast<int>(so_far.strokes), so_far.sound() ? "sound" : "BROKEN");
         });
     nlohmann::json row = tally.ToJson();
     fmt::print("{} random strokes: {}\n", tally.strokes, row.dump());
     row["name"] = "random strokes";
     Keep("hard", std::move(row));
+  }
+
+  void RunSurrogate() {
+    const auto model =
+        LoadSandModel(model_, {.heightfield = bench_.heightfield, .dem = bench_.dem});
+    const StressConfig config{.strokes = strokes_.value_or(1000),
+                              .repose_deg = bench_.heightfield.repose_deg,
+                              .seed = seed(),
+                              .threads = threads()};
+    Progress progress("surrogate", config.strokes, "strokes");
+    const auto tallies = RunStressRollouts(*model, config, [&](int64_t n) { progress.Update(n); });
+    fmt::print("{:20} {:>8} {:>8} {:>5} {:>7} {:>9} {:>9} {:>9} {:>6} {:>6} {:>6} {:>9}\n", "bed",
+               "strokes", "limited", "NaN", "< floor", "too high", "drift/1", "drift/all", "slope",
+               "first", "last", "ms/stroke");
+    for (const StressTally& t : tallies) {
+      fmt::print(
+          "{:20} {:8} {:8} {:5} {:7} {:9} {:9.1e} {:9.1e} {:6.2f} {:6.2f} {:6.2f} "
+          "{:9.2f}\n",
+          t.bed, t.strokes, t.limited, t.not_finite, t.below_floor, t.too_high, t.stroke_drift_rel,
+          t.rollout_drift_rel, t.steepest, t.slope_first, t.slope_last, t.ms_per_stroke);
+      nlohmann::json row = t.ToJson();
+      row["model"] = model_;
+      Keep("surrogate", std::move(row));
+    }
+    RunDrift(*model);
+  }
+
+  void RunDrift(const SandModel& model) {
+    constexpr int kStrokes = 100;
+    const BoxDrift drift = RunBoxDrift(model, Heightfield(bench_.heightfield), kStrokes, seed());
+    nlohmann::json row = {{"name", "1200 x 800 mm, heightfield as truth"},
+                          {"model", model_},
+                          {"volume_drift_rel", drift.volume_drift_rel},
+                          {"ms_per_stroke", drift.ms_per_stroke}};
+    for (const AccruedError& error : drift.difference.Accrued())
+      row["rmse_mm"].push_back(error.rmse_mm);
+    if (const auto exponent = drift.difference.GrowthExponent()) row["growth_exponent"] = *exponent;
+    fmt::print(
+        "{} strokes on 1200 x 800 mm, away from the heightfield by {:.2f} mm after 1, {:.2f} "
+        "after 10, {:.2f} after 100; volume drift {:.1e}\n",
+        kStrokes, row["rmse_mm"][0].get<double>(), row["rmse_mm"][9].get<double>(),
+        row["rmse_mm"][99].get<double>(), drift.volume_drift_rel);
+    Keep("surrogate", std::move(row));
   }
 
   // Of the rows on recorded strokes.
@@ -145,8 +196,8 @@ class BenchCommand final : public Command {
 
   std::vector<std::string> suites_ = {"sand"};
   std::vector<std::string> data_;
-  int64_t strokes_ = 100000;
-  std::string picture_;
+  std::optional<int64_t> strokes_;
+  std::string model_ = "default", picture_;
   std::optional<double> floor_mm_;
   std::vector<SandBenchRow> strokes_rows_;
   SandBench bench_;

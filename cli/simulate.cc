@@ -1,5 +1,6 @@
 // sandwright simulate: strokes on a terrain by a sand model, without arm and without learning.
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -45,6 +46,13 @@ class SimulateCommand final : public Command {
       per_stroke.push_back({{"moved_volume_cm3", 1e6 * outcome.moved_volume_m3},
                             {"left_box", outcome.left_box},
                             {"below_floor", outcome.below_floor}});
+      if (!outcome.training_distance) continue;
+      per_stroke.back()["training_distance"] = *outcome.training_distance;
+      if (*outcome.training_distance > 1)
+        spdlog::warn(
+            "stroke {} is beyond what the model was trained on (distance {:.2f}; 1 = the 99th "
+            "percentile of the training strokes)",
+            per_stroke.size() - 1, *outcome.training_distance);
     }
     const HeightMap& after = state[0].map();
     if (!out_.empty()) WriteHeightMap(after, out_);

@@ -40,6 +40,9 @@ struct Outcome {
   bool below_floor = false;    // limited: the path went below the floor and was raised to it
   CellRect changed;            // cells that may have changed (empty: none)
   double moved_volume_m3 = 0;  // sum of |change| / 2 over the changed cells
+  // Of a learned model that knows it: how far the stroke lies from its training, above 1: beyond
+  // (TrainingRange::Distance).
+  std::optional<double> training_distance = {};
   bool limited() const { return left_box || below_floor; }
 };
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "env/kernel_density.h"
 
 namespace sandwright {
 namespace {
@@ -55,34 +56,9 @@ StrokeScore ScoreStroke(const HeightMap& before, const HeightMap& truth,
   return score;
 }
 
-double DensityPeak(std::span<const double> values) {
-  SAND_CHECK(!values.empty());
-  std::vector<double> sorted(values.begin(), values.end());
-  std::ranges::sort(sorted);
-  const double count = static_cast<double>(sorted.size());
-  const double mean = std::reduce(sorted.begin(), sorted.end()) / count;
-  double variance = 0;
-  for (double v : sorted) variance += (v - mean) * (v - mean) / std::max(count - 1, 1.0);
-  const auto quantile = [&](double q) {
-    const double position = q * (count - 1);
-    const auto i = static_cast<size_t>(position);
-    const size_t next = std::min(i + 1, sorted.size() - 1);
-    return sorted[i] + (position - static_cast<double>(i)) * (sorted[next] - sorted[i]);
-  };
-  const double spread = (quantile(0.75) - quantile(0.25)) / 1.34;
-  const double deviation = std::sqrt(variance);
-  const double scale = spread > 0 ? std::min(deviation, spread) : deviation;
-  if (!(scale > 0)) return sorted.front();
-  const double bandwidth = 0.9 * scale * std::pow(count, -0.2);
-  constexpr int kPoints = 512;
-  double best = sorted.front(), best_density = -1;
-  for (int i = 0; i < kPoints; ++i) {
-    const double x = sorted.front() + (sorted.back() - sorted.front()) * i / (kPoints - 1);
-    double density = 0;
-    for (double v : sorted) density += std::exp(-0.5 * std::pow((x - v) / bandwidth, 2));
-    if (density > best_density) best_density = density, best = x;
-  }
-  return best;
+std::optional<double> ExplainedShare(double mse_mm2, double change_mm2, double floor_mm2) {
+  if (!(change_mm2 > floor_mm2)) return std::nullopt;
+  return 1 - (mse_mm2 - floor_mm2) / (change_mm2 - floor_mm2);
 }
 
 ScoreSummary Summarise(std::span<const StrokeScore> strokes, double floor_mm) {
@@ -104,18 +80,17 @@ ScoreSummary Summarise(std::span<const StrokeScore> strokes, double floor_mm) {
   const double count = static_cast<double>(strokes.size());
   summary.mae_mm = absolute / cells;
   summary.rmse_mean_mm = std::sqrt(squared / cells);
-  summary.rmse_mode_mm = DensityPeak(rmse_mm);
+  summary.rmse_mode_mm = KernelDensity(rmse_mm).Mode();
   summary.mean_max_abs_mm = max_abs / count;
   if (change > 0) summary.r2_change = 1 - squared / change;
-  const double floor_mm2 = floor_mm * floor_mm;
-  if (change / cells > floor_mm2)
-    summary.explained = 1 - (squared / cells - floor_mm2) / (change / cells - floor_mm2);
+  summary.explained = ExplainedShare(squared / cells, change / cells, floor_mm * floor_mm);
   if (with_drift > 0) summary.volume_drift_rel = drift / with_drift;
   return summary;
 }
 
 void NoiseFloor::Add(const HeightMap& before_a, const HeightMap& after_a, const HeightMap& before_b,
                      const HeightMap& after_b, const ToolPath& path) {
+  double worst_mm = 0;
   const CellRect changed_b = ChangedBounds(before_b, after_b, kChangeThreshold_m);
   ForEachCell(before_a, Union(ScoreWindow(before_a, after_a, after_a, path), changed_b),
               [&](size_t cell) {
@@ -126,12 +101,18 @@ void NoiseFloor::Add(const HeightMap& before_a, const HeightMap& after_a, const 
                   return;
                 const double difference_mm = Difference_mm(after_a, after_b, cell);
                 squared_mm2_ += difference_mm * difference_mm / 2;
+                worst_mm = std::max(worst_mm, std::abs(difference_mm));
               });
+  max_abs_mm_ += worst_mm;
   ++pairs_;
 }
 
 double NoiseFloor::rmse_mm() const {
   return cells_ > 0 ? std::sqrt(squared_mm2_ / static_cast<double>(cells_)) : 0;
+}
+
+std::optional<double> NoiseFloor::max_abs_mm() const {
+  return pairs_ > 0 ? std::optional(max_abs_mm_ / pairs_) : std::nullopt;
 }
 
 }  // namespace sandwright

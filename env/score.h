@@ -21,6 +21,7 @@ inline constexpr double kChangeThreshold_m = 1e-3;  // a cell that moved less ha
 // One stroke: sums over the cells of its score window.
 struct StrokeScore {
   std::string file;       // where it came from, for people
+  int file_index = 0;     // of it among the files that were scored
   int stroke = 0;         // index in the file
   char complexity = 'A';  // ComplexityClass
   int64_t cells = 0;
@@ -31,6 +32,7 @@ struct StrokeScore {
   // Net volume that the prediction adds / volume that it moves (half the sum of |change|), over the
   // whole map; none where it moves nothing.
   std::optional<double> volume_drift_rel;
+  std::optional<double> training_distance;  // Outcome's, of a model that knows it
 
   double mse_mm2() const { return squared_mm2 / static_cast<double>(cells); }
 };
@@ -39,7 +41,8 @@ struct StrokeScore {
 CellRect ScoreWindow(const HeightMap& before, const HeightMap& truth, const HeightMap& prediction,
                      const ToolPath& path);
 
-// Error where no cell of the window was seen. file, stroke and complexity are the caller's.
+// Error where no cell of the window was seen. The first fields and training_distance are the
+// caller's.
 StrokeScore ScoreStroke(const HeightMap& before, const HeightMap& truth,
                         const HeightMap& prediction, const ToolPath& path);
 
@@ -49,17 +52,17 @@ struct ScoreSummary {
   int strokes = 0;
   std::optional<double> mae_mm;            // mean over cells
   std::optional<double> rmse_mean_mm;      // root of the mean squared error over cells
-  std::optional<double> rmse_mode_mm;      // peak of the density of the strokes' RMSE (DensityPeak)
+  std::optional<double> rmse_mode_mm;      // peak of the density of the strokes' RMSE
   std::optional<double> mean_max_abs_mm;   // mean over strokes
   std::optional<double> r2_change;         // 1 - sum squared error / sum squared true change
-  std::optional<double> explained;         // 1 - (MSE - floor^2) / (change^2 - floor^2)
+  std::optional<double> explained;         // ExplainedShare
   std::optional<double> volume_drift_rel;  // mean over the strokes that have one
 };
 ScoreSummary Summarise(std::span<const StrokeScore> strokes, double floor_mm);
 
-// Where a Gaussian kernel density estimate (Silverman's rule, on 512 points over the range of the
-// values) is highest. At least one value.
-double DensityPeak(std::span<const double> values);
+// 1 - (MSE - floor^2) / (change^2 - floor^2), from means over cells: the share of what can be
+// predicted that is. None where the change does not pass the floor.
+std::optional<double> ExplainedShare(double mse_mm2, double change_mm2, double floor_mm2);
 
 // The noise that no prediction can pass, from pairs of replicates: the same stroke on the same
 // terrain with another packing of the grains. Half the squared difference of the two `after` over
@@ -71,11 +74,14 @@ class NoiseFloor {
   int pairs() const { return pairs_; }
   // Root of the mean over all windows [mm]; 0 without pairs.
   double rmse_mm() const;
+  // Mean over the pairs of the largest |difference| over those cells [mm]: it carries the noise of both
+  // replicates, a prediction's error that of one. None without pairs.
+  std::optional<double> max_abs_mm() const;
 
  private:
   int pairs_ = 0;
   int64_t cells_ = 0;
-  double squared_mm2_ = 0;
+  double squared_mm2_ = 0, max_abs_mm_ = 0;  // the latter summed over the pairs
 };
 
 }  // namespace sandwright

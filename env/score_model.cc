@@ -7,23 +7,25 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <opencv2/core.hpp>
-#include <tuple>
+#include <numbers>
 
 #include "data/base/progress.h"
 #include "data/base/stop.h"
 #include "data/picture.h"
 #include "data/stroke_dataset.h"
 #include "env/dem.h"
+#include "env/kernel_density.h"
 #include "env/paper_protocol.h"
+#include "env/rank_correlation.h"
+#include "env/score_picture.h"
 
 namespace sandwright {
 namespace {
 
-constexpr double kPictureRange_m = 0.012;  // of the error's colours, both ways
-constexpr uint64_t kPacking = 0;           // of the grains, where the model has some
-constexpr double kCold_s = 1;  // a stroke that takes longer is not slower for cold caches
-constexpr std::array<int, 5> kRolloutSteps = {1, 5, 20, 50, 100};
+constexpr uint64_t kPacking = 0;  // of the grains, where the model has some
+constexpr double kCold_s = 1;     // a stroke that takes longer is not slower for cold caches
+// The steps of `accrued_rmse_mm`, which has a line each in the output.
+constexpr std::array<int, 5> kPrintedSteps = {1, 5, 20, 50, 100};
 
 // `base` plus the change from one map to another of any cell size with the same walls.
 HeightMap AddChange(HeightMap base, const HeightMap& from, const HeightMap& to) {
@@ -72,6 +74,7 @@ class Scorer {
     }
     AddReplicates(path, file);
     if (config_.rollout) RollOut(file);
+    ++files_;
   }
 
   // Whether Ctrl-C was seen; the report then says so.
@@ -89,11 +92,12 @@ class Scorer {
                            : floor_.pairs() > 0
                                ? fmt::format("{} pairs of replicates", floor_.pairs())
                                : "0: no replicates in the data";
-    for (const auto& [step, sums] : accrued_)
-      report_.accrued_rmse_mm[step] = std::sqrt(sums.squared_mm2 / static_cast<double>(sums.cells));
+    report_.floor_max_abs_mm = floor_.max_abs_mm();
+    report_.accrued = rollout_.Accrued();
+    report_.accrued_growth_exponent = rollout_.GrowthExponent();
     if (config_.paper) {
       report_.paper_mae_mm = paper_mae_mm_ / count;
-      report_.paper_rmse_mode_mm = DensityPeak(paper_rmse_mm_);
+      report_.paper_rmse_mode_mm = KernelDensity(paper_rmse_mm_).Mode();
       report_.paper_mean_max_mm = paper_max_mm_ / count;
     }
     return std::move(report_);
@@ -106,33 +110,38 @@ class Scorer {
     const std::string where = fmt::format("{}, stroke {}", path.string(), index);
     CheckBlade(model_, record.blade, where);
     const HeightMap terrain = Resample(record.before, report_.model_cell_size_m);
-    auto [start, end, seconds] = Predict(terrain, record.path);
+    Prediction predicted = Predict(terrain, record.path);
     // The first run only warms caches, but where it took long they do not matter.
-    if (report_.strokes.empty() && seconds < kCold_s)
-      std::tie(start, end, seconds) = Predict(terrain, record.path);
-    seconds_ += seconds;
+    if (report_.strokes.empty() && predicted.seconds < kCold_s)
+      predicted = Predict(terrain, record.path);
+    seconds_ += predicted.seconds;
 
     const HeightMap before = OnErrorCells(record.before), truth = OnErrorCells(record.after);
-    const HeightMap prediction = AddChange(before, start, end);
+    const HeightMap prediction = AddChange(before, predicted.start, predicted.end);
     StrokeScore score = ScoreStroke(before, truth, prediction, record.path);
     score.file = path.filename().string();
+    score.file_index = files_;
     score.stroke = index;
     score.complexity = ComplexityClass(record.stroke);
+    score.training_distance = predicted.training_distance;
+    if (config_.paper) AddPaper(record, AddChange(record.before, predicted.start, predicted.end));
+    if (!config_.pictures.empty()) Draw(score, record, before, truth, prediction);
     report_.strokes.push_back(std::move(score));
-    if (config_.paper) AddPaper(record, AddChange(record.before, start, end));
-    if (!config_.pictures.empty()) Draw(path, index, before, truth, prediction);
   }
 
-  // The bed that the model starts from, what it becomes, and the seconds that this took; making a bed of
-  // grains does not count.
-  std::tuple<HeightMap, HeightMap, double> Predict(const HeightMap& terrain,
-                                                   const ToolPath& path) const {
+  struct Prediction {
+    HeightMap start, end;  // the bed that the model starts from, and what it becomes
+    std::optional<double> training_distance;
+    double seconds = 0;  // of the stroke; making a bed of grains does not count
+  };
+
+  Prediction Predict(const HeightMap& terrain, const ToolPath& path) const {
     SandState state = model_.Start(terrain, kPacking);
     HeightMap start = state.map();
     const auto began = std::chrono::steady_clock::now();
-    model_.Apply(std::span(&state, 1), std::span(&path, 1));
+    const Outcome outcome = model_.Apply(std::span(&state, 1), std::span(&path, 1)).front();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
-    return {std::move(start), state.map(), took.count()};
+    return {std::move(start), state.map(), outcome.training_distance, took.count()};
   }
 
   void AddPaper(const StrokeRecord& record, const HeightMap& prediction) {
@@ -180,58 +189,32 @@ class Scorer {
       const HeightMap prediction = AddChange(before, start, state->map());
       const HeightMap truth = OnErrorCells(record.after);
       window = Union(window, ScoreWindow(before, truth, prediction, record.path));
-      if (std::ranges::find(kRolloutSteps, ++done) != kRolloutSteps.end())
-        AddAccrued(done, truth, prediction, window);
+      rollout_.Add(++done, truth, prediction, window);
     }
   }
 
-  void AddAccrued(int step, const HeightMap& truth, const HeightMap& prediction,
-                  const CellRect& window) {
-    Sums& sums = accrued_[step];
-    for (int row = window.row0; row < window.row1; ++row) {
-      for (int column = window.column0; column < window.column1; ++column) {
-        if (!truth.valid.empty() && truth.valid[truth.Index(row, column)] == 0) continue;
-        const double error_mm =
-            1e3 * (static_cast<double>(prediction.At(row, column)) - truth.At(row, column));
-        sums.squared_mm2 += error_mm * error_mm;
-        ++sums.cells;
-      }
-    }
-  }
-
-  // Before, truth, prediction, and the error at +-12 mm, side by side.
-  void Draw(const std::filesystem::path& path, int index, const HeightMap& before,
+  void Draw(const StrokeScore& score, const StrokeRecord& record, const HeightMap& before,
             const HeightMap& truth, const HeightMap& prediction) const {
-    const auto [low, high] = std::ranges::minmax(before.height_m);
-    const int scale = std::clamp(300 / before.columns, 1, 8);
-    const cv::Mat parts[] = {DrawHeights(before, low, high, scale),
-                             DrawHeights(truth, low, high, scale),
-                             DrawHeights(prediction, low, high, scale),
-                             DrawDifference(prediction, truth, kPictureRange_m, scale)};
-    cv::Mat row;
-    for (const cv::Mat& part : parts) {
-      cv::Mat framed(part.rows + 8, part.cols + 8, part.type(), cv::Scalar(255, 255, 255));
-      part.copyTo(framed(cv::Rect(4, 4, part.cols, part.rows)));
-      if (row.empty())
-        row = framed;
-      else
-        cv::hconcat(row, framed, row);
-    }
+    const std::string title =
+        fmt::format("{}, stroke {} (class {}), model {}: RMSE {:.2f} mm, worst cell {:.1f} mm",
+                    score.file, score.stroke, score.complexity, report_.model,
+                    std::sqrt(score.mse_mm2()), score.max_abs_mm);
+    const cv::Mat picture = DrawScoredStroke(title, before, truth, prediction,
+                                             ScoreWindow(before, truth, prediction, record.path),
+                                             record.path, record.blade);
     std::filesystem::create_directories(config_.pictures);
-    WritePicture(row, std::filesystem::path(config_.pictures) /
-                          fmt::format("{}_{:05}.png", path.stem().string(), index));
+    WritePicture(picture,
+                 std::filesystem::path(config_.pictures) /
+                     fmt::format("{}_{:05}.png", std::filesystem::path(score.file).stem().string(),
+                                 score.stroke));
   }
-
-  struct Sums {
-    double squared_mm2 = 0;
-    int64_t cells = 0;
-  };
 
   const SandModel& model_;
   const ScoreConfig& config_;
   ScoreReport report_;
   NoiseFloor floor_;
-  std::map<int, Sums> accrued_;
+  RolloutScore rollout_;
+  int files_ = 0;
   double seconds_ = 0, paper_mae_mm_ = 0, paper_max_mm_ = 0;
   std::vector<double> paper_rmse_mm_;
 };
@@ -254,6 +237,16 @@ ScoreReport ScoreModel(const SandModel& model, std::span<const std::filesystem::
   return scorer.Finish();
 }
 
+std::optional<double> ScoreReport::RangeErrorCorrelation() const {
+  std::vector<double> distances, rmse_mm;
+  for (const StrokeScore& s : strokes) {
+    if (!s.training_distance) continue;
+    distances.push_back(*s.training_distance);
+    rmse_mm.push_back(std::sqrt(s.mse_mm2()));
+  }
+  return SpearmanCorrelation(distances, rmse_mm);
+}
+
 nlohmann::json ScoreReport::ToJson() const {
   const ScoreSummary total = Total();
   nlohmann::json json = {{"model", model},
@@ -269,6 +262,11 @@ nlohmann::json ScoreReport::ToJson() const {
                          {"explained", Number(total.explained)},
                          {"floor_mm", floor_mm},
                          {"floor_source", floor_source},
+                         {"floor_max_abs_mm", Number(floor_max_abs_mm)},
+                         {"floor_max_abs_single_mm",
+                          floor_max_abs_mm ? nlohmann::json(*floor_max_abs_mm / std::numbers::sqrt2)
+                                           : nlohmann::json()},
+                         {"range_error_correlation", Number(RangeErrorCorrelation())},
                          {"volume_drift_rel", Number(total.volume_drift_rel)},
                          {"ms_per_stroke", ms_per_stroke},
                          {"stopped", stopped}};
@@ -284,8 +282,15 @@ nlohmann::json ScoreReport::ToJson() const {
         {"rmse_mean_mm", Number(summary.rmse_mean_mm)},
         {"mean_max_abs_mm", Number(summary.mean_max_abs_mm)}};
   }
-  for (const auto& [step, rmse_mm] : accrued_rmse_mm)
-    json["accrued_rmse_mm"][std::to_string(step)] = rmse_mm;
+  for (const AccruedError& error : accrued) {
+    json["accrued"].push_back({{"step", error.step},
+                               {"sequences", error.sequences},
+                               {"cells", error.cells},
+                               {"rmse_mm", error.rmse_mm}});
+    if (std::ranges::find(kPrintedSteps, error.step) != kPrintedSteps.end())
+      json["accrued_rmse_mm"][std::to_string(error.step)] = error.rmse_mm;
+  }
+  if (!accrued.empty()) json["accrued_growth_exponent"] = Number(accrued_growth_exponent);
   if (paper_mae_mm) {
     json["paper_mae_mm"] = *paper_mae_mm;
     json["paper_rmse_mode_mm"] = *paper_rmse_mode_mm;
@@ -299,7 +304,8 @@ nlohmann::json ScoreReport::ToJson() const {
                                   {"cells", s.cells},
                                   {"mse_mm2", s.mse_mm2()},
                                   {"change_mm2", s.change_mm2 / static_cast<double>(s.cells)},
-                                  {"max_abs_mm", s.max_abs_mm}});
+                                  {"max_abs_mm", s.max_abs_mm},
+                                  {"training_distance", Number(s.training_distance)}});
   return json;
 }
 

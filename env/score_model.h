@@ -2,13 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "env/rollout_score.h"
 #include "env/sand_model.h"
 #include "env/score.h"
 
@@ -37,21 +37,26 @@ struct ScoreReport {
   std::string floor_source;  // "given", "replicates", "none in the data"
   double ms_per_stroke = 0;  // one stroke at a time, from bed and path to height map
   std::vector<StrokeScore> strokes;
-  int strokes_failed = 0;                 // left out: the model lost grains in them
-  bool stopped = false;                   // by Ctrl-C, before the last stroke
-  std::map<int, double> accrued_rmse_mm;  // with rollout: see ScoreModel
+  // Of replicates: see NoiseFloor::max_abs_mm. None in the data: none.
+  std::optional<double> floor_max_abs_mm;
+  int strokes_failed = 0;             // left out: the model lost grains in them
+  bool stopped = false;               // by Ctrl-C, before the last stroke
+  std::vector<AccruedError> accrued;  // with rollout: see ScoreModel
+  std::optional<double> accrued_growth_exponent;
   // With paper: means over strokes (the mode for the RMSE), on the paper's crop.
   std::optional<double> paper_mae_mm, paper_rmse_mode_mm, paper_mean_max_mm;
 
   ScoreSummary Total() const { return Summarise(strokes, floor_mm); }
+  // Spearman's correlation of the strokes' training_distance with their RMSE; none without distances.
+  std::optional<double> RangeErrorCorrelation() const;
   nlohmann::json ToJson() const;
 };
 
 // Each stroke starts from its recorded `before`. The model's change, averaged or spread over the
 // cells of the errors, is added to the recorded terrain, so that a coarser model is not charged
 // for the roughness that it never saw. With rollout, every run of consecutive steps of one sequence
-// is also predicted from its first `before` on; after 1, 5, 20, 50 and 100 strokes the error is
-// taken over the union of the score windows so far, and pooled over the sequences that reach it.
+// is also predicted from its first `before` on; after each stroke the error is taken over the union of
+// the score windows so far, and pooled over the sequences that reach it.
 //
 // Error: a file without strokes, a blade other than the model's, cells that do not divide the map,
 // a replicate of a group that the file does not hold. After Ctrl-C the report is over the strokes

@@ -40,7 +40,9 @@ void CloseFacesOfTheReach(const SurrogateInput& input, std::vector<double>& flux
 
 Surrogate::Surrogate(const SurrogateConfig& config, const Safetensors& parameters,
                      const std::string& source)
-    : config_(config), heightfield_(config.heightfield), net_(config.net, parameters, source) {}
+    : config_(config), heightfield_(config.heightfield), net_(config.net, parameters, source) {
+  if (TrainingRange::In(parameters)) range_.emplace(parameters, source);
+}
 
 std::vector<Outcome> Surrogate::ApplyChecked(std::span<SandState> states,
                                              std::span<const ToolPath> paths) const {
@@ -69,6 +71,7 @@ void Surrogate::Correct(const HeightMap& before, const ToolPath& path, SandState
       EncodeStroke(before, state.map(), path, blade(), config_.net.multiple(), config_.reach_m);
   if (input.window.empty()) return;
   if (!config_.net.uses_heightfield() && !CutsSand(input)) return;
+  if (range_) outcome.training_distance = range_->Distance(input);
   const std::vector<float> said =
       net_.Forward(input.channels, ActiveCells(input.rows, input.columns, input.active));
   const int rows = input.window.rows(), columns = input.window.columns();

@@ -6,6 +6,7 @@
 
 #include "env/heightfield.h"
 #include "env/surrogate_net.h"
+#include "env/training_range.h"
 
 namespace sandwright {
 
@@ -58,6 +59,7 @@ class Surrogate final : public SandModel {
   SurrogateConfig config_;
   Heightfield heightfield_;
   SurrogateNet net_;
+  std::optional<TrainingRange> range_;  // of the strokes it was trained on; older files have none
 };
 
 // The metadata of a file that `fit` wrote: "schema" = "sandwright-surrogate" and "config" (the

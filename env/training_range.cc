@@ -8,73 +8,76 @@
 namespace sandwright {
 namespace {
 
-constexpr size_t kNumbers = 2 * kSurrogateChannelCount;
-// Channels are of order one: what varies less than this in training is not held against a stroke.
-constexpr float kLeastDeviation = 0.01f;
+constexpr char kTensor[] = "range.amounts";
+constexpr std::array<std::string_view, 5> kAmounts = {"height", "cut", "blade", "remaining",
+                                                      "change"};
+constexpr double kLimitQuantile = 0.99;
+// Channels are of order one: what is less than this in training is not held against a stroke.
+constexpr double kLeastAmount = 0.01;
 
-std::vector<double> Describe(const SurrogateInput& stroke) {
+using Amounts = std::array<double, kAmounts.size()>;
+
+Amounts Measure(const SurrogateInput& stroke) {
   const size_t plane = stroke.active.size();
-  std::vector<double> numbers;
-  for (size_t c = 0; c < kSurrogateChannelCount; ++c) {
-    double count = 0, sum = 0, squared = 0;
+  Amounts amounts;
+  for (size_t a = 0; a < kAmounts.size(); ++a) {
+    const auto channel = static_cast<size_t>(std::ranges::find(kSurrogateChannels, kAmounts[a]) -
+                                             kSurrogateChannels.begin());
+    double count = 0, squared = 0;
     for (size_t i = 0; i < plane; ++i) {
       if (!stroke.active[i]) continue;
-      const double value = stroke.channels[c * plane + i];
-      ++count;
-      sum += value;
+      const double value = stroke.channels[channel * plane + i];
       squared += value * value;
+      ++count;
     }
-    const double mean = count > 0 ? sum / count : 0;
-    numbers.push_back(mean);
-    numbers.push_back(count > 0 ? std::sqrt(std::max(squared / count - mean * mean, 0.0)) : 0);
+    amounts[a] = count > 0 ? std::sqrt(squared / count) : 0;
   }
-  return numbers;
+  return amounts;
+}
+
+double RootMeanSquareRatio(const Amounts& amounts, std::span<const float> units) {
+  double squared = 0;
+  for (size_t a = 0; a < amounts.size(); ++a) squared += std::pow(amounts[a] / units[a], 2);
+  return std::sqrt(squared / static_cast<double>(amounts.size()));
 }
 
 }  // namespace
 
-TrainingRange::TrainingRange(const std::vector<SurrogateInput>& strokes) {
+TrainingRange::TrainingRange(std::span<const SurrogateInput> strokes) {
   SAND_CHECK(!strokes.empty());
-  std::vector<double> sum(kNumbers, 0.0), squared(kNumbers, 0.0);
-  for (const SurrogateInput& stroke : strokes) {
-    const std::vector<double> numbers = Describe(stroke);
-    for (size_t i = 0; i < kNumbers; ++i) {
-      sum[i] += numbers[i];
-      squared[i] += numbers[i] * numbers[i];
-    }
+  std::vector<Amounts> measured;
+  for (const SurrogateInput& stroke : strokes) measured.push_back(Measure(stroke));
+  const auto count = static_cast<double>(measured.size());
+  for (size_t a = 0; a < kAmounts.size(); ++a) {
+    double squared = 0;
+    for (const Amounts& amounts : measured) squared += amounts[a] * amounts[a];
+    amounts_.push_back(static_cast<float>(std::max(std::sqrt(squared / count), kLeastAmount)));
   }
-  const auto count = static_cast<double>(strokes.size());
-  for (size_t i = 0; i < kNumbers; ++i) {
-    const double mean = sum[i] / count;
-    mean_.push_back(static_cast<float>(mean));
-    deviation_.push_back(
-        std::max(static_cast<float>(std::sqrt(std::max(squared[i] / count - mean * mean, 0.0))),
-                 kLeastDeviation));
-  }
+  std::vector<double> distances;
+  for (const Amounts& amounts : measured)
+    distances.push_back(RootMeanSquareRatio(amounts, amounts_));
+  std::ranges::sort(distances);
+  const auto limit = static_cast<size_t>(std::ceil(kLimitQuantile * count)) - 1;
+  for (float& amount : amounts_)
+    amount *= static_cast<float>(std::max(distances[limit], kLeastAmount));
 }
 
 TrainingRange::TrainingRange(const Safetensors& file, const std::string& source)
-    : mean_(file.Tensor("range.mean", source).values),
-      deviation_(file.Tensor("range.deviation", source).values) {
-  if (mean_.size() != kNumbers || deviation_.size() != kNumbers)
-    throw Error(source + ": tensors range.mean and range.deviation have another shape than [" +
-                std::to_string(kNumbers) + "]");
+    : amounts_(file.Tensor(kTensor, source).values) {
+  if (amounts_.size() != kAmounts.size() ||
+      !std::ranges::all_of(amounts_, [](float a) { return std::isfinite(a) && a > 0; }))
+    throw Error(source + ": tensor " + kTensor + " must hold " + std::to_string(kAmounts.size()) +
+                " positive values");
 }
 
+bool TrainingRange::In(const Safetensors& file) { return file.tensors.contains(kTensor); }
+
 void TrainingRange::Save(Safetensors& file) const {
-  const auto count = static_cast<int64_t>(kNumbers);
-  file.tensors["range.mean"] = {{count}, mean_};
-  file.tensors["range.deviation"] = {{count}, deviation_};
+  file.tensors[kTensor] = {{static_cast<int64_t>(kAmounts.size())}, amounts_};
 }
 
 double TrainingRange::Distance(const SurrogateInput& stroke) const {
-  const std::vector<double> numbers = Describe(stroke);
-  double squared = 0;
-  for (size_t i = 0; i < kNumbers; ++i) {
-    const double distance = (numbers[i] - mean_[i]) / deviation_[i];
-    squared += distance * distance;
-  }
-  return std::sqrt(squared / kNumbers);
+  return RootMeanSquareRatio(Measure(stroke), amounts_);
 }
 
 }  // namespace sandwright

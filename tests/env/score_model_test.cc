@@ -80,6 +80,9 @@ TEST_F(ScoreModelTest, StillSandExplainsNothing) {
   EXPECT_EQ(json["by_complexity"]["F"]["strokes"], 0);
   EXPECT_TRUE(json["by_complexity"]["F"]["mae_mm"].is_null());
   EXPECT_TRUE(json["volume_drift_rel"].is_null());
+  EXPECT_TRUE(json["floor_max_abs_mm"].is_null());
+  EXPECT_TRUE(json["range_error_correlation"].is_null());
+  EXPECT_TRUE(json["per_stroke"][2]["training_distance"].is_null());
   EXPECT_EQ(json["per_stroke"][2]["class"], "A");
   EXPECT_EQ(json["per_stroke"][2]["cells"], 75 * 75);  // all changed
   EXPECT_FALSE(json.contains("accrued_rmse_mm"));
@@ -118,9 +121,16 @@ TEST_F(ScoreModelTest, RolloutErrorsPileUp) {
   ScoreConfig config;
   config.rollout = true;
   const ScoreReport report = ScoreModel(SinkingSand(), Write(Sequence(6, 0.002f)), config);
-  ASSERT_EQ(report.accrued_rmse_mm.size(), 2u);
-  EXPECT_NEAR(report.accrued_rmse_mm.at(1), 1, 1e-3);  // 1 mm behind after one stroke
-  EXPECT_NEAR(report.accrued_rmse_mm.at(5), 5, 1e-3);
+  const nlohmann::json json = report.ToJson();
+  EXPECT_EQ(json["accrued_rmse_mm"].size(), 2u);
+  EXPECT_NEAR(json["accrued_rmse_mm"]["1"], 1, 1e-3);  // 1 mm behind after one stroke
+  EXPECT_NEAR(json["accrued_rmse_mm"]["5"], 5, 1e-3);
+  ASSERT_EQ(json["accrued"].size(), 6u);
+  EXPECT_EQ(json["accrued"][5]["step"], 6);
+  EXPECT_EQ(json["accrued"][5]["sequences"], 1);
+  EXPECT_EQ(json["accrued"][5]["cells"], 75 * 75);
+  EXPECT_NEAR(json["accrued"][5]["rmse_mm"], 6, 1e-3);
+  EXPECT_NEAR(json["accrued_growth_exponent"], 1, 1e-3);
   EXPECT_NEAR(report.Total().rmse_mean_mm.value(), 1, 1e-3);  // single strokes start from the truth
   EXPECT_NEAR(report.Total().volume_drift_rel.value(), -2, 1e-6);
 }
@@ -146,6 +156,8 @@ TEST_F(ScoreModelTest, FloorComesFromReplicatesUnlessGiven) {
   const ScoreReport report = ScoreModel(StillSand(), files, {});
   EXPECT_NEAR(report.floor_mm, 0.5 / std::sqrt(2), 1e-4);
   EXPECT_THAT(report.floor_source, HasSubstr("1 pairs"));
+  EXPECT_NEAR(report.floor_max_abs_mm.value(), 0.5, 1e-4);
+  EXPECT_NEAR(report.ToJson()["floor_max_abs_single_mm"], 0.5 / std::sqrt(2), 1e-4);
   ScoreConfig config;
   config.floor_mm = 1.0;
   EXPECT_DOUBLE_EQ(ScoreModel(StillSand(), files, config).floor_mm, 1.0);

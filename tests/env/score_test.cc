@@ -106,13 +106,6 @@ TEST(Score, MeansPoolCellsAndTheModeFollowsTheCrowd) {
   EXPECT_FALSE(Summarise({}, 0).mae_mm.has_value());
 }
 
-TEST(DensityPeak, OfOneOfEqualAndOfManyValues) {
-  const std::vector<double> one = {2.5}, equal = {1, 1, 1}, many = {1.0, 1.1, 0.9, 1.05, 4, 7};
-  EXPECT_DOUBLE_EQ(DensityPeak(one), 2.5);
-  EXPECT_DOUBLE_EQ(DensityPeak(equal), 1);
-  EXPECT_NEAR(DensityPeak(many), 1.05, 0.3);
-}
-
 TEST(NoiseFloor, HalfTheSquaredDifferenceOfReplicates) {
   const HeightMap before(40, 60, kCell_m, 0.05f);
   HeightMap a = before, b = before;
@@ -121,9 +114,14 @@ TEST(NoiseFloor, HalfTheSquaredDifferenceOfReplicates) {
   a.At(20, 22) += 0.0005f;  // changed in neither: does not count
   NoiseFloor floor;
   EXPECT_DOUBLE_EQ(floor.rmse_mm(), 0);
+  EXPECT_FALSE(floor.max_abs_mm().has_value());
   floor.Add(before, a, before, b, StraightPath(0.2, 0.3, 0.2));
   EXPECT_EQ(floor.pairs(), 1);
   EXPECT_NEAR(floor.rmse_mm(), std::sqrt(2.0 / 480), 1e-6);
+  EXPECT_NEAR(floor.max_abs_mm().value(), 2, 1e-4);
+  a.At(20, 20) += 0.006f;  // the second pair: 4 mm
+  floor.Add(before, a, before, b, StraightPath(0.2, 0.3, 0.2));
+  EXPECT_NEAR(floor.max_abs_mm().value(), 3, 1e-4);
 }
 
 }  // namespace

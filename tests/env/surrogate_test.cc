@@ -158,6 +158,30 @@ TEST(Surrogate, ASilentNetIsTheHeightfield) {
             Apply(Heightfield(config.heightfield), bed, Curve()).height_m);
 }
 
+TEST(Surrogate, TellsHowFarAStrokeLiesFromItsTrainingWhereItsFileDoes) {
+  const SurrogateConfig config = SmallConfig();
+  Safetensors file = RandomParameters(config.net, 0);
+  const auto distance = [&](const Stroke& stroke) {
+    std::vector<SandState> state{SandState(Bumpy(75, 75))};
+    return Surrogate(config, file, "test")
+        .Apply(state, std::span(&stroke, 1))
+        .front()
+        .training_distance;
+  };
+  EXPECT_FALSE(distance(Curve()).has_value());
+  const HeightMap bed = Bumpy(75, 75);
+  const ToolPath path = SamplePath(Curve(), bed.cell_size_m / 2);
+  std::vector<SandState> state{SandState(bed)};
+  Heightfield(config.heightfield).Apply(state, std::span(&path, 1));
+  const SurrogateInput input =
+      EncodeStroke(bed, state[0].map(), path, Blade{}, config.net.multiple());
+  TrainingRange(std::span(&input, 1)).Save(file);
+  EXPECT_NEAR(distance(Curve()).value(), 1, 1e-5);  // the only stroke of its training
+  Stroke deep = Curve();
+  for (Eigen::Vector3d& point : deep.control_points_m) point.z() -= 0.025;
+  EXPECT_GT(distance(deep).value(), 1.2);
+}
+
 TEST(Surrogate, BeyondTheWindowIsTheHeightfield) {
   const SurrogateConfig config = SmallConfig();
   const HeightMap bed(100, 150, 0.004, 0.05f);
