@@ -91,8 +91,10 @@ void Surrogate::Correct(const HeightMap& before, const ToolPath& path, SandState
 }
 
 Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads) {
-  const std::string source = file.string();
-  const Safetensors content = ReadSafetensors(file);
+  return ReadSurrogate(ReadSafetensors(file), file.string(), threads);
+}
+
+Surrogate ReadSurrogate(const Safetensors& content, const std::string& source, int64_t threads) {
   const auto schema = content.metadata.find("schema");
   if (schema == content.metadata.end() || schema->second != "sandwright-surrogate")
     throw Error(fmt::format(

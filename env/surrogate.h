@@ -60,5 +60,7 @@ class Surrogate final : public SandModel {
 // A file that `fit` wrote: metadata "schema" = "sandwright-surrogate" and "config" (the resolved
 // SurrogateConfig as JSON), and the net's tensors. Error naming the file and what is wrong.
 Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads);
+// The same from the content of the file `source`.
+Surrogate ReadSurrogate(const Safetensors& content, const std::string& source, int64_t threads);
 
 }  // namespace sandwright
