@@ -135,7 +135,8 @@ class Trainer {
   void Learn(int64_t step, const PaperPair& pair, RandomStream& stream) {
     const bool mirrored = config_.mirror && stream.Index(2) == 1;
     const auto turn = [&](const torch::Tensor& x) { return mirrored ? x.flip({3}) : x; };
-    const torch::Tensor input = turn(PaperTensor(pair.input)), truth = turn(PaperTensor(pair.after));
+    const torch::Tensor input = turn(PaperTensor(pair.input)),
+                        truth = turn(PaperTensor(pair.after));
     const torch::Tensor counts = turn((PaperTensor(pair.input.counts) + 1) * 127.5);
     const auto dropout = at::make_generator<at::CPUGeneratorImpl>(stream.Next64());
     const torch::Tensor answer = generator_.Forward(input, dropout);
@@ -145,8 +146,8 @@ class Trainer {
         config_.l1_weight * ((answer - truth).abs() * counts).sum() / counts.sum().clamp_min(1);
     if (config_.gan_weight > 0) {
       discriminator_adam_.RequireGradients(true);
-      const torch::Tensor judged = (Judgement(input, truth, true) +
-                                    Judgement(input, answer.detach(), false)) / 2;
+      const torch::Tensor judged =
+          (Judgement(input, truth, true) + Judgement(input, answer.detach(), false)) / 2;
       CheckFinite(judged, "discriminator", step, pair);
       judged.backward();
       discriminator_adam_.Step(rate);
@@ -159,7 +160,8 @@ class Trainer {
   }
 
   // Cross entropy of the discriminator's judgement of an answer, against what it should be.
-  torch::Tensor Judgement(const torch::Tensor& input, const torch::Tensor& answer, bool real) const {
+  torch::Tensor Judgement(const torch::Tensor& input, const torch::Tensor& answer,
+                          bool real) const {
     const torch::Tensor logits = discriminator_.Forward(input, answer);
     return torch::binary_cross_entropy_with_logits(logits, torch::full_like(logits, real ? 1 : 0));
   }

@@ -42,7 +42,8 @@ struct FitPix2PixConfig {
 
 struct FitPix2PixRequest {
   std::vector<std::filesystem::path> data, validation;  // stroke files; validation may be empty
-  std::optional<std::filesystem::path> init;  // start from this model's generator, of the same shape
+  std::optional<std::filesystem::path>
+      init;  // start from this model's generator, of the same shape
   uint64_t seed = 0;
   int threads = 1;  // of torch; the same seed gives the same bytes for the same count
 };

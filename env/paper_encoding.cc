@@ -49,8 +49,7 @@ std::vector<double> LowestPassage(const PaperFrame& frame, const ToolPath& path,
     for (int row = clip(at.x() - reach); row < clip(at.x() + reach + 1); ++row) {
       for (int column = clip(at.y() - reach); column < clip(at.y() + reach + 1); ++column) {
         const Eigen::Vector2d off(row + 0.5 - at.x(), column + 0.5 - at.y());
-        const double along = off.dot(normal),
-                     across = off.x() * normal.y() - off.y() * normal.x();
+        const double along = off.dot(normal), across = off.x() * normal.y() - off.y() * normal.x();
         if (std::abs(along) > half_thickness || std::abs(across) > half_width) continue;
         double& lowest = lowest_m[PixelIndex(row, column)];
         lowest = std::min(lowest, pose.z_m);
@@ -149,8 +148,8 @@ CellRect PastePaperChange(const PaperInput& input, const PaperPlane& predicted, 
       }
       float& height_m = map.At(row, column);
       const auto changed_m = static_cast<float>(height_m + sum_m / (parts * parts));
-      height_m = map.datum == Datum::kFloor ? std::max(changed_m, std::min(height_m, 0.0f))
-                                            : changed_m;
+      height_m =
+          map.datum == Datum::kFloor ? std::max(changed_m, std::min(height_m, 0.0f)) : changed_m;
     }
   }
   return held;

@@ -48,11 +48,11 @@ uint8_t PaperLevel(double height_m);
 // What pix2pix sees of a stroke.
 struct PaperInput {
   PaperFrame frame;
-  double zero_m = 0;    // height above the floor of level 0
-  PaperPlane height;    // R: the terrain before
-  PaperPlane path;      // G: 255 where the blade's edge passes, 0 elsewhere
-  PaperPlane depth;     // B: how far below the terrain it passes at its lowest, 0 where it does not
-  PaperPlane counts;    // 1: inside the box and seen by the camera; not part of the picture
+  double zero_m = 0;  // height above the floor of level 0
+  PaperPlane height;  // R: the terrain before
+  PaperPlane path;    // G: 255 where the blade's edge passes, 0 elsewhere
+  PaperPlane depth;   // B: how far below the terrain it passes at its lowest, 0 where it does not
+  PaperPlane counts;  // 1: inside the box and seen by the camera; not part of the picture
 };
 
 // The blade passes a pixel when its footprint, grown by half a pixel, holds the pixel's centre. Zero is

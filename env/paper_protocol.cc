@@ -27,8 +27,8 @@ PaperScore ScorePaperCrop(const HeightMap& truth, const HeightMap& prediction,
   PaperScore score;
   double squared = 0;
   for (const auto& [t, p] : heights_m) {
-    const double error = 1e3 * kPaperLevel_m *
-                         std::abs(PaperLevel(p - lowest_m) - PaperLevel(t - lowest_m));
+    const double error =
+        1e3 * kPaperLevel_m * std::abs(PaperLevel(p - lowest_m) - PaperLevel(t - lowest_m));
     score.mae_mm += error;
     squared += error * error;
     score.max_abs_mm = std::max(score.max_abs_mm, error);

@@ -122,9 +122,8 @@ torch::Tensor Pix2PixDiscriminator::Forward(const torch::Tensor& input,
 }
 
 torch::Tensor PaperTensor(const PaperPlane& plane) {
-  const auto levels =
-      torch::from_blob(const_cast<uint8_t*>(plane.data()), {1, 1, kPaperPixels, kPaperPixels},
-                       torch::kUInt8);
+  const auto levels = torch::from_blob(const_cast<uint8_t*>(plane.data()),
+                                       {1, 1, kPaperPixels, kPaperPixels}, torch::kUInt8);
   return levels.to(torch::kFloat) / 127.5 - 1;
 }
 

@@ -53,8 +53,7 @@ class Pix2PixLayers {
 class Pix2PixGenerator {
  public:
   // `channels` at the first halving (ngf); eight times as many from the fourth on.
-  Pix2PixGenerator(int64_t channels, RandomStream stream)
-      : layers_(Shapes(channels), stream) {}
+  Pix2PixGenerator(int64_t channels, RandomStream stream) : layers_(Shapes(channels), stream) {}
   Pix2PixGenerator(int64_t channels, const Safetensors& file, const std::string& source)
       : layers_(Shapes(channels), file, source) {}
 
@@ -72,8 +71,7 @@ class Pix2PixGenerator {
 // The PatchGAN that judges each patch of 70 x 70 pixels by itself.
 class Pix2PixDiscriminator {
  public:
-  Pix2PixDiscriminator(int64_t channels, RandomStream stream)
-      : layers_(Shapes(channels), stream) {}
+  Pix2PixDiscriminator(int64_t channels, RandomStream stream) : layers_(Shapes(channels), stream) {}
 
   // input [N, 3, 256, 256], answer [N, 1, 256, 256] -> logits of "real" [N, 1, 30, 30].
   torch::Tensor Forward(const torch::Tensor& input, const torch::Tensor& answer) const;

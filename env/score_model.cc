@@ -15,6 +15,7 @@
 #include "data/picture.h"
 #include "data/stroke_dataset.h"
 #include "env/dem.h"
+#include "env/paper_encoding.h"
 #include "env/paper_protocol.h"
 
 namespace sandwright {
@@ -120,7 +121,10 @@ class Scorer {
     score.complexity = ComplexityClass(record.stroke);
     report_.strokes.push_back(std::move(score));
     if (config_.paper) AddPaper(record, AddChange(record.before, start, end));
-    if (!config_.pictures.empty()) Draw(path, index, before, truth, prediction);
+    if (config_.pictures.empty()) return;
+    std::filesystem::create_directories(config_.pictures);
+    Draw(PictureFile(path, index, ""), before, truth, prediction);
+    if (config_.paper) WritePair(PictureFile(path, index, "_paper"), record);
   }
 
   // The bed that the model starts from, what it becomes, and the seconds that this took; making a bed of
@@ -200,8 +204,8 @@ class Scorer {
   }
 
   // Before, truth, prediction, and the error at +-12 mm, side by side.
-  void Draw(const std::filesystem::path& path, int index, const HeightMap& before,
-            const HeightMap& truth, const HeightMap& prediction) const {
+  static void Draw(const std::filesystem::path& file, const HeightMap& before,
+                   const HeightMap& truth, const HeightMap& prediction) {
     const auto [low, high] = std::ranges::minmax(before.height_m);
     const int scale = std::clamp(300 / before.columns, 1, 8);
     const cv::Mat parts[] = {DrawHeights(before, low, high, scale),
@@ -217,9 +221,18 @@ class Scorer {
       else
         cv::hconcat(row, framed, row);
     }
-    std::filesystem::create_directories(config_.pictures);
-    WritePicture(row, std::filesystem::path(config_.pictures) /
-                          fmt::format("{}_{:05}.png", path.stem().string(), index));
+    WritePicture(row, file);
+  }
+
+  std::filesystem::path PictureFile(const std::filesystem::path& path, int index,
+                                    const char* ending) const {
+    return std::filesystem::path(config_.pictures) /
+           fmt::format("{}_{:05}{}.png", path.stem().string(), index, ending);
+  }
+
+  static void WritePair(const std::filesystem::path& file, const StrokeRecord& record) {
+    const auto input = EncodePaperInput(record.before, record.path, record.blade);
+    if (input) WritePaperPair(*input, EncodePaperHeight(record.after, *input), file);
   }
 
   struct Sums {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-
 #include "env/load_sand_model.h"
 #include "env/safetensors.h"
 #include "env/score_model.h"
@@ -154,7 +153,8 @@ TEST(Pix2Pix, ChangesNothingWhereNothingIsCut) {
   const HeightMap bed(50, 50, 0.004, 0.05f);
   for (const double x_m : {0.1, 5.0}) {  // above the sand; outside the box
     SandState state(bed);
-    const ToolPath path = SamplePath({{{x_m, 0.1, 0.055}, {x_m + 0.05, 0.1, 0.055}}, 1, 0.1}, 0.002);
+    const ToolPath path =
+        SamplePath({{{x_m, 0.1, 0.055}, {x_m + 0.05, 0.1, 0.055}}, 1, 0.1}, 0.002);
     const Outcome outcome = model->Apply(std::span(&state, 1), std::span(&path, 1)).front();
     EXPECT_EQ(outcome.left_box, x_m > 1);
     EXPECT_TRUE(outcome.changed.empty());

@@ -35,7 +35,7 @@ TEST(Pix2PixGenerator, IsTheUNetOfThePaper) {
   int64_t count = 0;
   const int64_t widths[] = {3, 64, 128, 256, 512, 512, 512, 512, 512};
   for (int i = 0; i < 8; ++i) {
-    count += 16 * widths[i] * widths[i + 1];  // down
+    count += 16 * widths[i] * widths[i + 1];                                    // down
     count += 16 * (i == 7 ? 1 : 2) * widths[i + 1] * (i == 0 ? 1 : widths[i]);  // up
     count += i == 0 || i == 7 ? widths[i + 1] : 2 * widths[i + 1];
     count += i == 0 ? 1 : 2 * widths[i];
@@ -87,8 +87,9 @@ TEST(Pix2PixLayers, StartFromTheSeedAndComeBackFromDisk) {
   const torch::NoGradGuard no_grad;
   const torch::Tensor x = Noise(1, 3);
   EXPECT_TRUE(torch::equal(Pix2PixGenerator(4, file, "a.safetensors").Forward(x), a.Forward(x)));
-  EXPECT_THAT([&] { Pix2PixGenerator(8, file, "a.safetensors"); },
-              ThrowsMessage<Error>(HasSubstr("a.safetensors: tensor down1.weight has another shape")));
+  EXPECT_THAT(
+      [&] { Pix2PixGenerator(8, file, "a.safetensors"); },
+      ThrowsMessage<Error>(HasSubstr("a.safetensors: tensor down1.weight has another shape")));
   file.tensors["up3.scale"].values[0] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT([&] { Pix2PixGenerator(4, file, "a.safetensors"); },
               ThrowsMessage<Error>(HasSubstr("up3.scale holds numbers that are not finite")));
