@@ -21,7 +21,8 @@ class FitCommand final : public Command {
     app.add_option("--init", init_, "start from this model")->check(CLI::ExistingFile);
     app.add_flag("--resume", resume_,
                  "go on with an interrupted fit of a surrogate, kept beside --out as OUT.state");
-    app.add_option("--out", out_, "what to write: surrogate and pix2pix (.safetensors) or heightfield (.yaml)")
+    app.add_option("--out", out_,
+                   "what to write: surrogate and pix2pix (.safetensors) or heightfield (.yaml)")
         ->required();
   }
   void Fields(FieldList& f) override {

@@ -73,7 +73,7 @@ class Adam {
     std::vector<torch::Tensor> gradients;
     for (size_t i = 0; i < parameters_.size(); ++i) {
       gradients.push_back(parameters_[i].grad());
-      parameters_[i].mutable_grad() = {};
+      parameters_[i].mutable_grad().reset();
       steps_[i] += 1;
     }
     at::_fused_adam_(parameters_, gradients, means_, squares_, {}, steps_, learning_rate, beta1_,

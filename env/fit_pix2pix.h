@@ -60,15 +60,16 @@ struct FitPix2PixReport {
   nlohmann::json ToJson() const;
 };
 
-// Isola et al. 2017 (pix2pix_net.h): conditional GAN and L1, Adam, one picture a step, and the authors'
-// fall of the learning rate. Pixels beyond the walls or not seen by the camera do not count in
-// the L1. The mirror is the one symmetry of a picture whose way is down; there is no jitter, which
-// would change the size of a millimetre. Validation counts the levels that a user gets; with validation
-// strokes the step with the least squared error on them is kept, else the last.
+// Isola et al. 2017 (pix2pix_net.h): conditional GAN and L1, Adam, one picture a step, and the
+// authors' fall of the learning rate. Pixels beyond the walls or not seen by the camera do not
+// count in the L1. The mirror is the one symmetry of a picture whose way is down; there is no
+// jitter, which would change the size of a millimetre. Validation counts the levels that a user
+// gets; with validation strokes the step with the least squared error on them is kept, else the
+// last.
 //
-// Error: a bed that is in both sets, another blade than the model's, a stroke whose picture lies outside
-// the box, a loss that is not finite (the stroke is named). Ctrl-C before there is anything to keep
-// throws kInterrupted.
+// Error: a bed that is in both sets, another blade than the model's, a stroke whose picture lies
+// outside the box, a loss that is not finite (the stroke is named). Ctrl-C before there is anything
+// to keep throws kInterrupted.
 FitPix2PixReport FitPix2Pix(const FitPix2PixConfig& config, const FitPix2PixRequest& request);
 
 }  // namespace sandwright

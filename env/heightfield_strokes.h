@@ -27,8 +27,8 @@ struct HeightfieldStrokesConfig {
 };
 
 // A stroke of the excavation routine (data/excavation.h) on a terrain of its own, and what the
-// heightfield says comes of it. The same stream gives the same bytes. Error where the box is no whole
-// number of cells or leaves no room for a stroke.
+// heightfield says comes of it. The same stream gives the same bytes. Error where the box is no
+// whole number of cells or leaves no room for a stroke.
 StrokeRecord DrawHeightfieldStroke(const HeightfieldStrokesConfig& config, RandomStream stream);
 
 }  // namespace sandwright

@@ -92,11 +92,10 @@ uint8_t PaperLevel(double height_m) {
 
 std::optional<PaperInput> EncodePaperInput(const HeightMap& before, const ToolPath& path,
                                            const Blade& blade) {
-  PaperInput input{.frame = PaperFrame(path)};
+  PaperInput input{PaperFrame(path), kInfinity, {}, {}, {}, {}};
   const std::vector<double> lowest_m = LowestPassage(input.frame, path, blade);
   std::vector<double> heights_m(kPaperCount);
   input.counts.assign(kPaperCount, 0);
-  input.zero_m = kInfinity;
   ForEachPixel([&](size_t i, int row, int column) {
     const Eigen::Vector2d p_m = input.frame.ToBox(row + 0.5, column + 0.5);
     heights_m[i] = HeightAt(before, p_m.x(), p_m.y());

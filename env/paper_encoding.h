@@ -1,5 +1,5 @@
-// The pictures of Deep Sandscapes (Tsuruta, Griffioen, Medina, Johns, ANNSIM 2022): a crop around one
-// stroke, turned with it, in 8 bits.
+// The pictures of Deep Sandscapes (Tsuruta, Griffioen, Medina, Johns, ANNSIM 2022): a crop around
+// one stroke, turned with it, in 8 bits.
 //
 // A picture is 256 x 256 pixels of 1 mm, centred on the middle between the first and the last point
 // of the path and turned so that the way from one to the other runs from top to bottom. A path that
@@ -29,8 +29,8 @@ using PaperPlane = std::vector<uint8_t>;  // [kPaperPixels, kPaperPixels], row-m
 // Where a picture lies on the box.
 struct PaperFrame {
   explicit PaperFrame(const ToolPath& path);
-  // Place in B [m] of a place in the picture [pixels]: rows down, columns to the right; the centre of
-  // the first pixel is (0.5, 0.5).
+  // Place in B [m] of a place in the picture [pixels]: rows down, columns to the right; the centre
+  // of the first pixel is (0.5, 0.5).
   Eigen::Vector2d ToBox(double row, double column) const;
   // The inverse: (row, column).
   Eigen::Vector2d ToPicture(double x_m, double y_m) const;
@@ -55,23 +55,23 @@ struct PaperInput {
   PaperPlane counts;  // 1: inside the box and seen by the camera; not part of the picture
 };
 
-// The blade passes a pixel when its footprint, grown by half a pixel, holds the pixel's centre. Zero is
-// the lowest point of the crop before the stroke, the blade's way included: a furrow in level sand
-// would otherwise lie below zero. None where the picture lies outside the box.
+// The blade passes a pixel when its footprint, grown by half a pixel, holds the pixel's centre.
+// Zero is the lowest point of the crop before the stroke, the blade's way included: a furrow in
+// level sand would otherwise lie below zero. None where the picture lies outside the box.
 std::optional<PaperInput> EncodePaperInput(const HeightMap& before, const ToolPath& path,
                                            const Blade& blade);
 
 // The terrain `map` in the frame and above the zero of `input`.
 PaperPlane EncodePaperHeight(const HeightMap& map, const PaperInput& input);
 
-// Adds what `predicted` changes against `input.height` to the cells of `map` whose centres lie in the
-// picture: means of bilinear samples as dense as the pixels. Others stay as they are. No cell that was
-// above the floor goes below it (a map whose datum is relative has none). Returns the bounds of the
-// cells that the picture holds.
+// Adds what `predicted` changes against `input.height` to the cells of `map` whose centres lie in
+// the picture: means of bilinear samples as dense as the pixels. Others stay as they are. No cell
+// that was above the floor goes below it (a map whose datum is relative has none). Returns the
+// bounds of the cells that the picture holds.
 CellRect PastePaperChange(const PaperInput& input, const PaperPlane& predicted, HeightMap& map);
 
-// One training pair as pix2pix data sets keep it: a PNG of 512 x 256 pixels, input on the left (R, G, B
-// as above), the terrain after the stroke on the right (grey).
+// One training pair as pix2pix data sets keep it: a PNG of 512 x 256 pixels, input on the left (R,
+// G, B as above), the terrain after the stroke on the right (grey).
 void WritePaperPair(const PaperInput& input, const PaperPlane& after,
                     const std::filesystem::path& file);
 

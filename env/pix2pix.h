@@ -1,5 +1,5 @@
-// The sand model of Deep Sandscapes: pix2pix on the paper's picture of a stroke, the baseline of every
-// other learned model.
+// The sand model of Deep Sandscapes: pix2pix on the paper's picture of a stroke, the baseline of
+// every other learned model.
 #pragma once
 
 #include <memory>
@@ -22,9 +22,9 @@ struct Pix2PixConfig {
   }
 };
 
-// Works on cells of any size. Changes the cells of the paper's crop alone, by what the predicted picture
-// differs from the one before (env/paper_encoding.h); nothing where the picture shows no cut. Volume is
-// not kept. A stroke whose crop lies outside the box changes nothing.
+// Works on cells of any size. Changes the cells of the paper's crop alone, by what the predicted
+// picture differs from the one before (env/paper_encoding.h); nothing where the picture shows no
+// cut. Volume is not kept. A stroke whose crop lies outside the box changes nothing.
 class Pix2Pix final : public SandModel {
  public:
   Pix2Pix(const Pix2PixConfig& config, std::unique_ptr<const Pix2PixGenerator> generator,
@@ -48,9 +48,9 @@ class Pix2Pix final : public SandModel {
   int64_t threads_;
 };
 
-// The content of a file `source` that `fit` wrote: metadata "schema" = "sandwright-pix2pix" and "config"
-// (the resolved Pix2PixConfig as JSON), and the generator's tensors. Error naming the file and what is
-// wrong.
+// The content of a file `source` that `fit` wrote: metadata "schema" = "sandwright-pix2pix" and
+// "config" (the resolved Pix2PixConfig as JSON), and the generator's tensors. Error naming the file
+// and what is wrong.
 std::unique_ptr<Pix2Pix> ReadPix2Pix(const Safetensors& content, const std::string& source,
                                      int64_t threads);
 

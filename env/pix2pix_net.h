@@ -23,13 +23,15 @@ struct Pix2PixLayer {
   bool normalised = false;  // followed by a batch norm over the one picture, in place of a bias
 };
 
-// Convolutions with their weights. Batch norm takes the statistics of each picture by itself, as the
-// original does with its batches of one, so there are no running means and nothing depends on the batch.
+// Convolutions with their weights. Batch norm takes the statistics of each picture by itself, as
+// the original does with its batches of one, so there are no running means and nothing depends on
+// the batch.
 class Pix2PixLayers {
  public:
   // Weights from N(0, 0.02), scales of the norms from N(1, 0.02), as in the paper.
   Pix2PixLayers(std::vector<Pix2PixLayer> shapes, RandomStream stream);
-  // Tensors of `file`; Error naming `source` where one is missing, has another shape or is not finite.
+  // Tensors of `file`; Error naming `source` where one is missing, has another shape or is not
+  // finite.
   Pix2PixLayers(std::vector<Pix2PixLayer> shapes, const Safetensors& file,
                 const std::string& source);
 
@@ -57,8 +59,8 @@ class Pix2PixGenerator {
   Pix2PixGenerator(int64_t channels, const Safetensors& file, const std::string& source)
       : layers_(Shapes(channels), file, source) {}
 
-  // input [N, 3, 256, 256] -> [N, 1, 256, 256], both in -1..1 (PaperTensor). With a generator of random
-  // numbers, dropout of a half after the three innermost doublings (training only).
+  // input [N, 3, 256, 256] -> [N, 1, 256, 256], both in -1..1 (PaperTensor). With a generator of
+  // random numbers, dropout of a half after the three innermost doublings (training only).
   torch::Tensor Forward(const torch::Tensor& input,
                         std::optional<at::Generator> dropout = {}) const;
   const Pix2PixLayers& layers() const { return layers_; }
@@ -82,7 +84,8 @@ class Pix2PixDiscriminator {
   Pix2PixLayers layers_;
 };
 
-// The picture as a tensor [1, 3, 256, 256] (R, G, B), or one plane [1, 1, 256, 256]: level 0 is -1, 255 is 1.
+// The picture as a tensor [1, 3, 256, 256] (R, G, B), or one plane [1, 1, 256, 256]: level 0 is -1,
+// 255 is 1.
 torch::Tensor PaperTensor(const PaperInput& input);
 torch::Tensor PaperTensor(const PaperPlane& plane);
 // The nearest levels of a tensor [1, 1, 256, 256].

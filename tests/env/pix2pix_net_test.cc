@@ -30,8 +30,8 @@ TEST(Pix2PixGenerator, IsTheUNetOfThePaper) {
   // A picture's answer does not depend on the others of its batch.
   EXPECT_LT((y.narrow(0, 1, 1) - generator.Forward(x.narrow(0, 1, 1))).abs().max().item<double>(),
             1e-5);
-  // Layers, at ngf 64: 54.4 million numbers in the original with three output channels, each of which
-  // costs 128 * 16 + 1.
+  // Layers, at ngf 64: 54.4 million numbers in the original with three output channels, each of
+  // which costs 128 * 16 + 1.
   int64_t count = 0;
   const int64_t widths[] = {3, 64, 128, 256, 512, 512, 512, 512, 512};
   for (int i = 0; i < 8; ++i) {
@@ -61,8 +61,8 @@ TEST(Pix2PixDiscriminator, JudgesPatchesOf70Pixels) {
   const torch::Tensor input = Noise(1, 3), answer = Noise(1, 1).set_requires_grad(true);
   const torch::Tensor logits = discriminator.Forward(input, answer);
   EXPECT_EQ(logits.sizes().vec(), (std::vector<int64_t>{1, 1, 30, 30}));
-  // The last layers' kernels alone: the norms look at the whole picture, but what they pass on to all
-  // alike is small beside the patch.
+  // The last layers' kernels alone: the norms look at the whole picture, but what they pass on to
+  // all alike is small beside the patch.
   logits[0][0][15][15].backward();
   const torch::Tensor touched = answer.grad()[0][0].abs();
   const torch::Tensor strong = (touched > 1e-3 * touched.max()).nonzero();
