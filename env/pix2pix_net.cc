@@ -117,7 +117,8 @@ std::vector<Pix2PixLayer> Pix2PixDiscriminator::Shapes(int64_t channels) {
 torch::Tensor Pix2PixDiscriminator::Forward(const torch::Tensor& input,
                                             const torch::Tensor& answer) const {
   torch::Tensor x = layers_.Run(0, torch::cat({input, answer}, 1));
-  for (size_t i = 1; i < layers_.count(); ++i) x = layers_.Run(i, torch::leaky_relu(x, kLeak));
+  for (size_t i = 1; i < layers_.shapes().size(); ++i)
+    x = layers_.Run(i, torch::leaky_relu(x, kLeak));
   return x;
 }
 

@@ -36,7 +36,7 @@ class Pix2PixLayers {
                 const std::string& source);
 
   torch::Tensor Run(size_t layer, const torch::Tensor& x) const;
-  size_t count() const { return shapes_.size(); }
+  const std::vector<Pix2PixLayer>& shapes() const { return shapes_; }
   const std::vector<torch::Tensor>& parameters() const { return parameters_; }
   // By names: layer + ".weight", and ".bias" or ".scale" and ".shift". `values` are the parameters
   // or a copy of them.

@@ -51,9 +51,9 @@ std::filesystem::path Save(const Safetensors& model, const std::string& name) {
 
 TEST(FitPix2Pix, LearnsAndPredictsFromItsFileAsInTraining) {
   const FitPix2PixRequest request{{WriteBed("a", 0.10)}, {WriteBed("b", 0.10)}, {}, 1, 1};
-  const FitPix2PixReport report = FitPix2Pix(SmallFit(5, 195), request);
+  const FitPix2PixReport report = FitPix2Pix(SmallFit(5, 115), request);
   EXPECT_EQ(report.strokes, 2);
-  EXPECT_EQ(report.steps, 200);
+  EXPECT_EQ(report.steps, 120);
   EXPECT_LT(report.validation_rmse_mm.value(), 0.7 * report.validation_start_rmse_mm.value());
 
   const auto file = Save(report.model, "pix2pix.safetensors");
@@ -66,8 +66,10 @@ TEST(FitPix2Pix, LearnsAndPredictsFromItsFileAsInTraining) {
   // From there on; and the same bytes for any number of threads of the model.
   FitPix2PixRequest on = request;
   on.init = file;
-  EXPECT_LT(FitPix2Pix(SmallFit(0, 1), on).validation_rmse_mm.value(),
-            1.5 * report.validation_rmse_mm.value());
+  FitPix2PixConfig little = SmallFit(0, 1);
+  little.learning_rate = 1e-6;
+  EXPECT_NEAR(FitPix2Pix(little, on).validation_rmse_mm.value(), report.validation_rmse_mm.value(),
+              0.05);
   const StrokeFile strokes = ReadStrokeFile(request.validation[0]);
   std::vector<SandState> one, both;
   std::vector<ToolPath> paths;
@@ -116,15 +118,12 @@ TEST(FitPix2Pix, RefusesABedInBothSets) {
 }
 
 TEST(FitPix2Pix, NamesTheStrokeOfALossThatIsNotFinite) {
-  FitPix2PixConfig config = SmallFit(0, 3);
-  config.learning_rate = 1;
-  config.l1_weight = 1e6;
   const FitPix2PixRequest request{{WriteBed("a", 0.10)}, {}, {}, 1, 1};
   Safetensors start = FitPix2Pix(SmallFit(0, 1), request).model;
-  for (float& value : start.tensors.at("up1.weight").values) value = 1e38f;
+  for (float& value : start.tensors.at("down3.weight").values) value = 1e38f;
   FitPix2PixRequest broken = request;
   broken.init = Save(start, "huge.safetensors");
-  EXPECT_THAT([&] { FitPix2Pix(config, broken); },
+  EXPECT_THAT([&] { FitPix2Pix(SmallFit(0, 1), broken); },
               ThrowsMessage<Error>(HasSubstr("pix2pix_a.h5, stroke")));
 }
 
