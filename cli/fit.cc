@@ -1,4 +1,4 @@
-// sandwright fit: trains a surrogate on recorded strokes, or calibrates the heightfield on them.
+// sandwright fit: trains a surrogate or pix2pix on recorded strokes, or calibrates the heightfield.
 #include <cstdio>
 
 #include "cli/command.h"
@@ -7,6 +7,7 @@
 #include "data/shipped.h"
 #include "data/stroke_dataset.h"
 #include "env/fit_heightfield.h"
+#include "env/fit_pix2pix.h"
 #include "env/fit_surrogate.h"
 
 namespace sandwright {
@@ -22,30 +23,35 @@ class FitCommand final : public Command {
         ->required();
     app.add_option("--validation", validation_,
                    "stroke files or folders of other beds: early stopping, held-out figures");
-    app.add_option("--init", init_, "start from this surrogate: default, or a .safetensors file");
+    app.add_option(
+        "--init", init_,
+        "start from this model: default (the shipped surrogate), or a .safetensors file");
     app.add_flag("--resume", resume_,
                  "go on with an interrupted fit of a surrogate, kept beside --out as OUT.state");
-    app.add_option("--out", out_, "what to write: surrogate (.safetensors) or heightfield (.yaml)")
+    app.add_option("--out", out_,
+                   "what to write: surrogate and pix2pix (.safetensors) or heightfield (.yaml)")
         ->required();
   }
   void Fields(FieldList& f) override {
-    f.Add("model", model_, "what is fitted", {"surrogate", "heightfield"});
+    f.Add("model", model_, "what is fitted", {"surrogate", "pix2pix", "heightfield"});
     config_.Fields(f);
+    f.Section("pix2pix", pix2pix_);
     f.Section("calibration", calibration_);
   }
 
   int Run() override {
-    const std::string ending = model_ == "surrogate" ? ".safetensors" : ".yaml";
+    const std::string ending = model_ == "heightfield" ? ".yaml" : ".safetensors";
     if (!out_.ends_with(ending))
       throw Error("--out " + out_ + ": the name of a " + model_ + " must end in " + ending);
     if (model_ == "heightfield" && !init_.empty())
       throw Error("--init " + init_ +
                   ": a heightfield starts from the keys calibration.heightfield");
-    if (model_ == "heightfield" && generates())
-      throw Error("--data generated: a heightfield is fitted to recorded strokes");
-    if (resume_ && model_ == "heightfield")
-      throw Error("--resume goes on with the fit of a surrogate, not of a heightfield");
+    if (model_ != "surrogate" && generates())
+      throw Error("--data generated: only a surrogate is trained on it");
+    if (resume_ && model_ != "surrogate")
+      throw Error("--resume goes on with the fit of a surrogate");
     { const AtomicFile probe(out_); }  // says so before the work where it cannot be written
+    if (model_ == "pix2pix") return TrainPix2Pix();
     return model_ == "surrogate" ? Train() : Calibrate();
   }
 
@@ -53,7 +59,7 @@ class FitCommand final : public Command {
   int Train() {
     FitRequest request;
     if (!generates()) request.data = FindStrokeFiles(data_);
-    if (!validation_.empty()) request.validation = FindStrokeFiles(validation_);
+    request.validation = HeldOut();
     if (!init_.empty()) {
       request.init = init_ == "default" ? ShippedFile("models/default_surrogate.safetensors")
                                         : std::filesystem::path(init_);
@@ -89,14 +95,35 @@ class FitCommand final : public Command {
     config_.surrogate = own;
   }
 
+  int TrainPix2Pix() {
+    FitPix2PixRequest request{FindStrokeFiles(data_), HeldOut(), {}, seed(), threads()};
+    if (!init_.empty()) request.init = init_;
+    const FitPix2PixReport report = FitPix2Pix(pix2pix_, request);
+    WriteSafetensors(report.model, out_);
+    nlohmann::json json = report.ToJson();
+    json["out"] = out_;
+    std::printf("%s: %d strokes, best of %ld steps is %ld", out_.c_str(), report.strokes,
+                report.steps, report.best_step);
+    if (report.validation_rmse_mm)
+      std::printf(", validation RMSE %.2f mm (%.2f mm if nothing changes)",
+                  *report.validation_rmse_mm, *report.validation_start_rmse_mm);
+    std::printf("\n");
+    WriteResult(json);
+    return report.stopped ? 130 : 0;
+  }
+
+  std::vector<std::filesystem::path> HeldOut() const {
+    if (validation_.empty()) return {};
+    return FindStrokeFiles(validation_);
+  }
+
   int Calibrate() {
-    const auto held_out =
-        validation_.empty() ? std::vector<std::filesystem::path>{} : FindStrokeFiles(validation_);
     Progress progress("fit", 0, "evaluations");
-    Calibration found = CalibrateHeightfield(
-        calibration_, FindStrokeFiles(data_), held_out, threads(), [&](int done, double r2_change) {
-          progress.Update(done, "r2_change " + std::to_string(r2_change));
-        });
+    Calibration found =
+        CalibrateHeightfield(calibration_, FindStrokeFiles(data_), HeldOut(), threads(),
+                             [&](int done, double r2_change) {
+                               progress.Update(done, "r2_change " + std::to_string(r2_change));
+                             });
     FieldList fields;
     fields.Section("heightfield", found.heightfield);
     WriteFileAtomically(out_, ToYaml(fields));
@@ -118,6 +145,7 @@ class FitCommand final : public Command {
   std::string init_, out_, model_ = "surrogate";
   bool resume_ = false;
   FitConfig config_;
+  FitPix2PixConfig pix2pix_;
   CalibrationConfig calibration_;
 };
 

@@ -28,8 +28,8 @@ class ScoreCommand final : public Command {
     app.add_flag("--rollout", score_.rollout, "accrued error over the sequences too");
     app.add_flag("--paper", score_.paper, "the errors of Deep Sandscapes' protocol too");
     app.add_option("--pictures", score_.pictures,
-                   "folder for before, truth, prediction, error (+-12 mm) of each stroke, and "
-                   "rmse_density.svg");
+                   "folder for before, truth, prediction, error (+-12 mm) of each stroke and "
+                   "rmse_density.svg; with --paper also the paper's pictures, input and truth");
   }
   void Fields(FieldList& f) override {
     f.Section("score", score_);

@@ -102,6 +102,14 @@ std::vector<T> ResampleLayer(const std::vector<T>& layer, int columns,
 
 }  // namespace
 
+int WholeCells(double extent_m, double cell_size_m, const char* key) {
+  const double cells = extent_m / cell_size_m;
+  if (std::abs(cells - std::round(cells)) > 1e-6)
+    throw Error(fmt::format("{} = {} m; must be a whole number of cells of cell_size_m = {} m", key,
+                            extent_m, cell_size_m));
+  return static_cast<int>(std::round(cells));
+}
+
 HeightMap Resample(const HeightMap& map, double cell_size_m) {
   HeightMap out(WholeCells(map.depth_m(), cell_size_m), WholeCells(map.width_m(), cell_size_m),
                 cell_size_m, 0, map.datum);

@@ -71,6 +71,10 @@ double HeightAt(const HeightMap& map, double x_m, double y_m);
 // The extent must be a whole number of new cells (to 1e-6), else Error.
 HeightMap Resample(const HeightMap& map, double cell_size_m);
 
+// How many cells of `cell_size_m` an extent holds. Error naming the configuration's `key` where that is
+// no whole number (to 1e-6).
+int WholeCells(double extent_m, double cell_size_m, const char* key);
+
 // A whole-cell crop and its inverse. `rect` must lie inside.
 HeightMap Crop(const HeightMap& map, const CellRect& rect);
 void Paste(const HeightMap& patch, const CellRect& rect, HeightMap& map);

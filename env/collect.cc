@@ -19,14 +19,6 @@ constexpr uint64_t kTerrain = StreamId("collect terrain"), kStroke = StreamId("c
 
 constexpr int kDraws = 10;  // of a stroke, where grains get lost
 
-int WholeCells(double extent_m, double cell_size_m, const char* key) {
-  const double cells = extent_m / cell_size_m;
-  if (std::abs(cells - std::round(cells)) > 1e-6)
-    throw Error(fmt::format("{} = {} m; must be a whole number of cells of cell_size_m = {} m", key,
-                            extent_m, cell_size_m));
-  return static_cast<int>(std::round(cells));
-}
-
 bool OfGrains(const CollectRequest& request) { return request.source == "dem"; }
 
 // What identifies the run: a file of other settings is never continued.

@@ -12,15 +12,12 @@
 namespace sandwright {
 namespace {
 
-void CheckRecord(const StrokeRecord& record, const SurrogateConfig& model,
-                 const std::string& name) {
-  const Blade& blade = model.heightfield.blade;
+void CheckBlade(const StrokeRecord& record, const Blade& blade, const std::string& name) {
   if (std::abs(record.blade.width_m - blade.width_m) > 1e-6 ||
       std::abs(record.blade.thickness_m - blade.thickness_m) > 1e-6)
     throw Error(fmt::format("{}: the blade is {} x {} m; the model is for {} x {} m", name,
                             record.blade.width_m, record.blade.thickness_m, blade.width_m,
                             blade.thickness_m));
-  Resample(record.before, model.cell_size_m);  // says where the cells do not divide the map
 }
 
 bool Unmoved(const Placement& p) { return p.turn_rad == 0 && p.shift_x_m == 0 && p.shift_y_m == 0; }
@@ -29,8 +26,8 @@ bool Seen(const HeightMap& map, size_t cell) { return map.valid.empty() || map.v
 
 }  // namespace
 
-FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files,
-                          const SurrogateConfig& model) {
+FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files, const Blade& blade,
+                          std::optional<double> cell_size_m) {
   FitStrokes result;
   for (const auto& path : files) {
     StrokeFile file = ReadStrokeFile(path);
@@ -39,7 +36,8 @@ FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files,
     for (size_t i = 0; i < file.strokes.size(); ++i) {
       StrokeRecord& record = file.strokes[i];
       const std::string name = fmt::format("{}, stroke {}", path.string(), i);
-      CheckRecord(record, model, name);
+      CheckBlade(record, blade, name);
+      if (cell_size_m) Resample(record.before, *cell_size_m);  // says where they do not divide it
       size_t behind = 0;
       if (i > 0 && record.sequence == result.strokes.back().record.sequence &&
           record.step == result.strokes.back().record.step + 1)
@@ -49,6 +47,21 @@ FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files,
   }
   if (!files.empty() && result.strokes.empty()) throw Error("the stroke files hold no stroke");
   return result;
+}
+
+void CheckSplit(const FitStrokes& data, const FitStrokes& validation) {
+  for (const std::string& bed : validation.beds) {
+    if (data.beds.contains(bed))
+      throw Error("bed '" + bed +
+                  "' is in both --data and --validation; split by bed, never by stroke");
+  }
+}
+
+nlohmann::json SplitIdentity(const FitStrokes& data, const FitStrokes& validation) {
+  const auto identity = [](const FitStrokes& part) {
+    return nlohmann::json{{"beds", part.beds}, {"files_sha256", part.sha256}};
+  };
+  return {{"training", identity(data)}, {"validation", identity(validation)}};
 }
 
 HeightMap Place(const HeightMap& map, const Placement& placement, double cell_size_m) {

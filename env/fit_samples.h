@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -25,9 +27,14 @@ struct FitStrokes {
   std::map<std::string, std::string> sha256;  // of each file, by its name
 };
 
-// Error: no stroke, another blade than the model's, cells that do not divide a map.
-FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files,
-                          const SurrogateConfig& model);
+// Error: no stroke, another blade than the model's, a map that cells of `cell_size_m` do not divide.
+FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files, const Blade& blade,
+                          std::optional<double> cell_size_m = {});
+
+// Error where a bed is in both: splits go by bed, never by stroke.
+void CheckSplit(const FitStrokes& data, const FitStrokes& validation);
+// What a model was trained on and chosen by, for its metadata: beds and hashes of the files.
+nlohmann::json SplitIdentity(const FitStrokes& data, const FitStrokes& validation);
 
 // How a bed is laid under the model's grid: turned about its middle, then shifted.
 struct Placement {

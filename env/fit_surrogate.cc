@@ -226,27 +226,15 @@ std::string Millimetres(double value_mm) {
   return text.str();
 }
 
-void CheckBeds(const FitStrokes& data, const FitStrokes& validation) {
-  for (const std::string& bed : validation.beds) {
-    if (data.beds.contains(bed))
-      throw Error("bed '" + bed +
-                  "' is in both --data and --validation; split by bed, never by stroke");
-  }
-}
-
 std::map<std::string, std::string> Metadata(const FitConfig& config, const FitRequest& request,
                                             const FitStrokes& data, const FitStrokes& validation) {
   SurrogateConfig model = config.surrogate;
   FitConfig fit = config;
-  const auto identity = [](const FitStrokes& part) {
-    return nlohmann::json{{"beds", part.beds}, {"files_sha256", part.sha256}};
-  };
-  const nlohmann::json split = {{"training", identity(data)}, {"validation", identity(validation)}};
   return {{"schema", "sandwright-surrogate"},
           {"config", ToJson(FieldsOf(model)).dump()},
           {"fit", ToJson(FieldsOf(fit)).dump()},
           {"channels", nlohmann::json(kSurrogateChannels).dump()},
-          {"data", split.dump()},
+          {"data", SplitIdentity(data, validation).dump()},
           {"init", request.init ? Sha256Hex(ReadFile(*request.init)) : ""},
           {"seed", std::to_string(request.seed)}};
 }
@@ -288,9 +276,11 @@ void Restore(const std::filesystem::path& file, Trainer& trainer, FitReport& rep
 }  // namespace
 
 FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
-  const FitStrokes validation_strokes = ReadFitStrokes(request.validation, config.surrogate),
-                   recorded = ReadFitStrokes(request.data, config.surrogate);
-  CheckBeds(recorded, validation_strokes);
+  const auto read = [&](const std::vector<std::filesystem::path>& files) {
+    return ReadFitStrokes(files, config.surrogate.heightfield.blade, config.surrogate.cell_size_m);
+  };
+  const FitStrokes validation_strokes = read(request.validation), recorded = read(request.data);
+  CheckSplit(recorded, validation_strokes);
   at::set_num_threads(request.threads);
   const std::vector<FitSample> validation = RecordedSamples(validation_strokes, config.surrogate);
 

@@ -20,8 +20,9 @@ struct SandModelConfig {
 };
 
 // `heightfield`, `none` (nothing changes; the heightfield's blade), `default` (the shipped
-// surrogate), `dem` (grains; needs LAMMPS when it runs) or a .safetensors file that `fit` wrote. A
-// surrogate brings its own heightfield and blade and takes only the threads of `config.heightfield`.
+// surrogate), `dem` (grains; needs LAMMPS when it runs) or a .safetensors file that `fit` wrote (a
+// surrogate or pix2pix, as its metadata says). Such a file brings its own heightfield and blade and
+// takes only the threads of `config.heightfield`.
 // Throws Error for any other name.
 std::unique_ptr<SandModel> LoadSandModel(const std::string& name_or_file,
                                          const SandModelConfig& config);

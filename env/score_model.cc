@@ -15,6 +15,7 @@
 #include "data/stroke_dataset.h"
 #include "env/dem.h"
 #include "env/kernel_density.h"
+#include "env/paper_encoding.h"
 #include "env/paper_protocol.h"
 #include "env/rank_correlation.h"
 #include "env/score_picture.h"
@@ -203,10 +204,19 @@ class Scorer {
                                              ScoreWindow(before, truth, prediction, record.path),
                                              record.path, record.blade);
     std::filesystem::create_directories(config_.pictures);
-    WritePicture(picture,
-                 std::filesystem::path(config_.pictures) /
-                     fmt::format("{}_{:05}.png", std::filesystem::path(score.file).stem().string(),
-                                 score.stroke));
+    WritePicture(picture, PictureFile(score, ""));
+    if (config_.paper) WritePair(PictureFile(score, "_paper"), record);
+  }
+
+  std::filesystem::path PictureFile(const StrokeScore& score, const char* ending) const {
+    return std::filesystem::path(config_.pictures) /
+           fmt::format("{}_{:05}{}.png", std::filesystem::path(score.file).stem().string(),
+                       score.stroke, ending);
+  }
+
+  static void WritePair(const std::filesystem::path& file, const StrokeRecord& record) {
+    const auto input = EncodePaperInput(record.before, record.path, record.blade);
+    if (input) WritePaperPair(*input, EncodePaperHeight(record.after, *input), file);
   }
 
   const SandModel& model_;

@@ -21,7 +21,8 @@ struct ScoreConfig {
   std::optional<double> floor_mm;  // noise floor; none: from the replicates in the data, else 0
   bool rollout = false;            // accrued error over the sequences too
   bool paper = false;              // the errors of paper_protocol.h too
-  std::string pictures;            // folder for one picture a stroke; "": none
+  // Folder for one picture a stroke, with `paper` also its WritePaperPair (..._paper.png); "": none.
+  std::string pictures;
 
   void Fields(FieldList& f) {
     f.Add("model_cell_size_m", model_cell_size_m,

@@ -113,11 +113,14 @@ SurrogateConfig SurrogateConfigOf(const Safetensors& content, const std::string&
   return config;
 }
 
-Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads) {
-  const Safetensors content = ReadSafetensors(file);
-  SurrogateConfig config = SurrogateConfigOf(content, file.string());
+Surrogate ReadSurrogate(const Safetensors& content, const std::string& source, int64_t threads) {
+  SurrogateConfig config = SurrogateConfigOf(content, source);
   config.threads = config.heightfield.threads = threads;
-  return Surrogate(config, content, file.string());
+  return Surrogate(config, content, source);
+}
+
+Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads) {
+  return ReadSurrogate(ReadSafetensors(file), file.string(), threads);
 }
 
 }  // namespace sandwright

@@ -68,5 +68,7 @@ SurrogateConfig SurrogateConfigOf(const Safetensors& content, const std::string&
 
 // The whole file, the net's tensors with it. Error naming the file and what is wrong.
 Surrogate ReadSurrogate(const std::filesystem::path& file, int64_t threads);
+// The same from the content of the file `source`.
+Surrogate ReadSurrogate(const Safetensors& content, const std::string& source, int64_t threads);
 
 }  // namespace sandwright

@@ -17,14 +17,6 @@ double MeanHeight(const HeightMap& map) {
          static_cast<double>(map.size());
 }
 
-int WholeCells(double extent_m, double cell_size_m, const char* key) {
-  const double cells = extent_m / cell_size_m;
-  if (std::abs(cells - std::round(cells)) > 1e-6)
-    throw Error(fmt::format("{} = {} m; must be a whole number of cells of cell_size_m = {} m", key,
-                            extent_m, cell_size_m));
-  return static_cast<int>(std::round(cells));
-}
-
 // A place of the configured extent on whole cells, anywhere in the box.
 Region DrawPlace(const TaskConfig& config, const HeightMap& terrain, RandomStream& stream) {
   const auto axis = [&](double extent_m, int cells, const char* key) {

@@ -165,7 +165,7 @@ TEST(FitSurrogate, LearnsFromStrokesMadeAnewInEachPass) {
   FitConfig config = SmallFit(2);
   config.surrogate.net.architecture = "direct";
   config.generate.strokes = 20;
-  config.generate.width_m = config.generate.depth_m = 0.2;
+  config.generate.drawn.width_m = config.generate.drawn.depth_m = 0.2;
   const FitReport report = FitSurrogate(config, {{}, {}, {}, 3, 1});
   EXPECT_EQ(report.strokes, 20);
   EXPECT_EQ(FitSurrogate(config, {{}, {}, {}, 3, 1}).model.tensors.at("head.weight").values,
@@ -182,12 +182,12 @@ TEST(FitSurrogate, LearnsFromStrokesMadeAnewInEachPass) {
   EXPECT_NE(heights(3, 1), heights(3, 2));
   EXPECT_NE(heights(3, 1), heights(4, 1));
 
-  config.generate.width_m = 0.201;
+  config.generate.drawn.width_m = 0.201;
   EXPECT_THAT(
       [&] {
         FitSurrogate(config, {{}, {}, {}, 3, 1});
       },
-      ThrowsMessage<Error>(HasSubstr("generate.width_m = 0.201")));
+      ThrowsMessage<Error>(HasSubstr("width_m = 0.201")));
 }
 
 TEST(FitSurrogate, RefusesABedInBothSetsAndAnotherBlade) {

@@ -186,6 +186,7 @@ TEST_F(ScoreModelTest, PicturesAndPaperCrop) {
   config.pictures = ::testing::TempDir() + "/score_pictures";
   const ScoreReport report = ScoreModel(StillSand(), Write(Sequence(1, 0.006f)), config);
   EXPECT_TRUE(std::filesystem::exists(config.pictures + "/score_model_test_00000.png"));
+  EXPECT_TRUE(std::filesystem::exists(config.pictures + "/score_model_test_00000_paper.png"));
   const double level_mm = 150.0 / 255;  // of the 8 bits
   EXPECT_NEAR(report.paper_mae_mm.value(), 6, level_mm / 2);
   EXPECT_NEAR(report.paper_mean_max_mm.value(), 6, level_mm / 2);
