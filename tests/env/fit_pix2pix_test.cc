@@ -142,7 +142,7 @@ TEST(Pix2Pix, OneErrorForADamagedFile) {
               ThrowsMessage<Error>(HasSubstr("config.safetensors: metadata config is not JSON")));
   damaged = model;
   damaged.tensors.erase("down1.bias");
-  EXPECT_THAT(load(Save(damaged, "missing.safetensors")),
+  EXPECT_THAT(load(Save(damaged, "without_a_tensor.safetensors")),
               ThrowsMessage<Error>(HasSubstr("no tensor 'down1.bias'")));
 }
 
