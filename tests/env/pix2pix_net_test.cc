@@ -33,18 +33,21 @@ TEST(Pix2PixGenerator, IsTheUNetOfThePaper) {
   // A picture's answer does not depend on the others of its batch.
   EXPECT_LT((y.narrow(0, 1, 1) - generator.Forward(x.narrow(0, 1, 1))).abs().max().item<double>(),
             1e-5);
-  // Layers, at ngf 64: 54.4 million numbers in the original with three output channels, each of
-  // which costs 128 * 16 + 1.
-  int64_t count = 0;
-  const int64_t widths[] = {3, 64, 128, 256, 512, 512, 512, 512, 512};
-  for (int i = 0; i < 8; ++i) {
-    count += 16 * widths[i] * widths[i + 1];                                    // down
-    count += 16 * (i == 7 ? 1 : 2) * widths[i + 1] * (i == 0 ? 1 : widths[i]);  // up
-    count += i == 0 || i == 7 ? widths[i + 1] : 2 * widths[i + 1];
-    count += i == 0 ? 1 : 2 * widths[i];
-  }
-  EXPECT_EQ(CountOf(Pix2PixGenerator(64, RandomStream(1)).layers()), count);
-  EXPECT_NEAR(1e-6 * static_cast<double>(count), 54.4, 0.1);
+  // 54.4 million numbers at ngf 64 in the original, whose three output channels cost 2049 each.
+  const auto expected = [](int64_t ngf) {
+    const int64_t widths[] = {3,       ngf,     2 * ngf, 4 * ngf, 8 * ngf,
+                              8 * ngf, 8 * ngf, 8 * ngf, 8 * ngf};
+    int64_t count = 0;
+    for (int i = 0; i < 8; ++i) {
+      count += 16 * widths[i] * widths[i + 1];                                    // down
+      count += 16 * (i == 7 ? 1 : 2) * widths[i + 1] * (i == 0 ? 1 : widths[i]);  // up
+      count += i == 0 || i == 7 ? widths[i + 1] : 2 * widths[i + 1];
+      count += i == 0 ? 1 : 2 * widths[i];
+    }
+    return count;
+  };
+  EXPECT_EQ(CountOf(generator.layers()), expected(4));
+  EXPECT_NEAR(1e-6 * static_cast<double>(expected(64)), 54.4, 0.1);
 }
 
 TEST(Pix2PixGenerator, DropoutComesFromItsOwnStream) {
