@@ -6,9 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
+#include "data/base/json_number.h"
 #include "data/base/progress.h"
 #include "data/base/random.h"
 #include "data/base/stop.h"
@@ -213,13 +212,6 @@ std::map<std::string, std::string> Metadata(const FitPix2PixConfig& config,
           {"seed", std::to_string(request.seed)}};
 }
 
-// "1.23 mm". (torch brings an fmt of its own that must not meet the system's in one file.)
-std::string Millimetres(double value_mm) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(3) << value_mm << " mm";
-  return text.str();
-}
-
 }  // namespace
 
 FitPix2PixReport FitPix2Pix(const FitPix2PixConfig& config, const FitPix2PixRequest& request) {
@@ -253,9 +245,7 @@ FitPix2PixReport FitPix2Pix(const FitPix2PixConfig& config, const FitPix2PixRequ
         report.best_step = report.steps;
         best.Take(trainer.generator());
       }
-      note = "validation " + Millimetres(rmse_mm) + ", best " +
-             Millimetres(*report.validation_rmse_mm) + ", at first " +
-             Millimetres(*report.validation_start_rmse_mm);
+      note = ValidationNote(rmse_mm, *report.validation_rmse_mm, *report.validation_start_rmse_mm);
     }
     progress.Update(report.steps, note);
   }
@@ -270,15 +260,12 @@ FitPix2PixReport FitPix2Pix(const FitPix2PixConfig& config, const FitPix2PixRequ
 }
 
 nlohmann::json FitPix2PixReport::ToJson() const {
-  const auto number = [](const std::optional<double>& v) {
-    return v ? nlohmann::json(*v) : nlohmann::json();
-  };
   return {{"strokes", strokes},
           {"validation_strokes", validation_strokes},
           {"steps", steps},
           {"best_step", best_step},
-          {"validation_rmse_mm", number(validation_rmse_mm)},
-          {"validation_start_rmse_mm", number(validation_start_rmse_mm)},
+          {"validation_rmse_mm", JsonNumber(validation_rmse_mm)},
+          {"validation_start_rmse_mm", JsonNumber(validation_start_rmse_mm)},
           {"seconds", seconds},
           {"stopped", stopped}};
 }

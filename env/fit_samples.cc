@@ -64,6 +64,13 @@ nlohmann::json SplitIdentity(const FitStrokes& data, const FitStrokes& validatio
   return {{"training", identity(data)}, {"validation", identity(validation)}};
 }
 
+std::string Millimetres(double value_mm) { return fmt::format("{:.3f} mm", value_mm); }
+
+std::string ValidationNote(double rmse_mm, double best_mm, double start_mm) {
+  return "validation " + Millimetres(rmse_mm) + ", best " + Millimetres(best_mm) + ", at first " +
+         Millimetres(start_mm);
+}
+
 HeightMap Place(const HeightMap& map, const Placement& placement, double cell_size_m) {
   HeightMap placed = Resample(map, cell_size_m);
   if (Unmoved(placement)) return placed;

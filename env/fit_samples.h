@@ -36,6 +36,11 @@ void CheckSplit(const FitStrokes& data, const FitStrokes& validation);
 // What a model was trained on and chosen by, for its metadata: beds and hashes of the files.
 nlohmann::json SplitIdentity(const FitStrokes& data, const FitStrokes& validation);
 
+// "1.234 mm", for the notes of a fit.
+std::string Millimetres(double value_mm);
+// "validation ..., best ..., at first ...".
+std::string ValidationNote(double rmse_mm, double best_mm, double start_mm);
+
 // How a bed is laid under the model's grid: turned about its middle, then shifted.
 struct Placement {
   double turn_rad = 0, shift_x_m = 0, shift_y_m = 0;

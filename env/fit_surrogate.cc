@@ -7,12 +7,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iomanip>
 #include <numbers>
 #include <numeric>
-#include <sstream>
 
 #include "data/base/atomic_file.h"
+#include "data/base/json_number.h"
 #include "data/base/progress.h"
 #include "data/base/random.h"
 #include "data/base/sha256.h"
@@ -219,13 +218,6 @@ class Trainer {
   torch::optim::AdamW optimiser_;
 };
 
-// "1.23 mm". (torch brings an fmt of its own that must not meet the system's in one file.)
-std::string Millimetres(double value_mm) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(3) << value_mm << " mm";
-  return text.str();
-}
-
 std::map<std::string, std::string> Metadata(const FitConfig& config, const FitRequest& request,
                                             const FitStrokes& data, const FitStrokes& validation) {
   SurrogateConfig model = config.surrogate;
@@ -298,10 +290,11 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
   const int last_epoch = static_cast<int>(
       request.epochs_now > 0 ? std::min(report.epochs + request.epochs_now, config.epochs)
                              : config.epochs);
-  const auto strokes_of = [&](int epoch) {
-    return generates
-               ? GenerateStrokes(config.generate, config.surrogate.cell_size_m, request.seed, epoch)
-               : recorded;
+  FitStrokes made;  // of one pass
+  const auto strokes_of = [&](int epoch) -> const FitStrokes& {
+    if (!generates) return recorded;
+    made = GenerateStrokes(config.generate, config.surrogate.cell_size_m, request.seed, epoch);
+    return made;
   };
   std::optional<Safetensors> state;  // after the last whole epoch
   double written_s = 0;
@@ -324,9 +317,8 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
         report.best_epoch = epoch;
         trainer.mean().Save(report.model);
       }
-      note += ", validation " + Millimetres(rmse_mm) + ", best " +
-              Millimetres(*report.validation_rmse_mm) + ", at first " +
-              Millimetres(*report.validation_start_rmse_mm);
+      note += ", " +
+              ValidationNote(rmse_mm, *report.validation_rmse_mm, *report.validation_start_rmse_mm);
     }
     progress.Update(epoch, note);
     if (!request.state) continue;
@@ -347,16 +339,13 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
 }
 
 nlohmann::json FitReport::ToJson() const {
-  const auto number = [](const std::optional<double>& v) {
-    return v ? nlohmann::json(*v) : nlohmann::json();
-  };
   return {{"strokes", strokes},
           {"validation_strokes", validation_strokes},
           {"epochs", epochs},
           {"best_epoch", best_epoch},
           {"train_rmse_mm", train_rmse_mm},
-          {"validation_rmse_mm", number(validation_rmse_mm)},
-          {"validation_start_rmse_mm", number(validation_start_rmse_mm)},
+          {"validation_rmse_mm", JsonNumber(validation_rmse_mm)},
+          {"validation_start_rmse_mm", JsonNumber(validation_start_rmse_mm)},
           {"seconds", seconds},
           {"stopped", stopped}};
 }

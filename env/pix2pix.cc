@@ -6,6 +6,7 @@
 
 #include "data/base/parallel.h"
 #include "env/blade_path.h"
+#include "env/model_config.h"
 #include "env/pix2pix_net.h"
 
 namespace sandwright {
@@ -67,13 +68,7 @@ std::unique_ptr<Pix2Pix> ReadPix2Pix(const Safetensors& content, const std::stri
     throw Error(source + ": not a pix2pix model (metadata schema is \"" +
                 content.Metadata("schema", source) + "\"; expected sandwright-pix2pix)");
   Pix2PixConfig config;
-  nlohmann::json json;
-  try {
-    json = nlohmann::json::parse(content.Metadata("config", source));
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(source + ": metadata config is not JSON: " + e.what());
-  }
-  LoadJson(FieldsOf(config), json, source + ": config");
+  LoadModelConfig(content, source, FieldsOf(config));
   return std::make_unique<Pix2Pix>(
       config, std::make_unique<Pix2PixGenerator>(config.channels, content, source), threads);
 }

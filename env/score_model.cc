@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "data/base/json_number.h"
 #include "data/base/progress.h"
 #include "data/base/stop.h"
 #include "data/picture.h"
@@ -229,10 +230,6 @@ class Scorer {
   std::vector<double> paper_rmse_mm_;
 };
 
-nlohmann::json Number(const std::optional<double>& value) {
-  return value ? nlohmann::json(*value) : nlohmann::json();
-}
-
 }  // namespace
 
 ScoreReport ScoreModel(const SandModel& model, std::span<const std::filesystem::path> files,
@@ -264,20 +261,20 @@ nlohmann::json ScoreReport::ToJson() const {
                          {"strokes_failed", strokes_failed},
                          {"cell_size_m", cell_size_m},
                          {"model_cell_size_m", model_cell_size_m},
-                         {"mae_mm", Number(total.mae_mm)},
-                         {"rmse_mode_mm", Number(total.rmse_mode_mm)},
-                         {"rmse_mean_mm", Number(total.rmse_mean_mm)},
-                         {"mean_max_abs_mm", Number(total.mean_max_abs_mm)},
-                         {"r2_change", Number(total.r2_change)},
-                         {"explained", Number(total.explained)},
+                         {"mae_mm", JsonNumber(total.mae_mm)},
+                         {"rmse_mode_mm", JsonNumber(total.rmse_mode_mm)},
+                         {"rmse_mean_mm", JsonNumber(total.rmse_mean_mm)},
+                         {"mean_max_abs_mm", JsonNumber(total.mean_max_abs_mm)},
+                         {"r2_change", JsonNumber(total.r2_change)},
+                         {"explained", JsonNumber(total.explained)},
                          {"floor_mm", floor_mm},
                          {"floor_source", floor_source},
-                         {"floor_max_abs_mm", Number(floor_max_abs_mm)},
+                         {"floor_max_abs_mm", JsonNumber(floor_max_abs_mm)},
                          {"floor_max_abs_single_mm",
                           floor_max_abs_mm ? nlohmann::json(*floor_max_abs_mm / std::numbers::sqrt2)
                                            : nlohmann::json()},
-                         {"range_error_correlation", Number(RangeErrorCorrelation())},
-                         {"volume_drift_rel", Number(total.volume_drift_rel)},
+                         {"range_error_correlation", JsonNumber(RangeErrorCorrelation())},
+                         {"volume_drift_rel", JsonNumber(total.volume_drift_rel)},
                          {"ms_per_stroke", ms_per_stroke},
                          {"stopped", stopped}};
   for (char c = 'A'; c <= 'F'; ++c) {
@@ -288,9 +285,9 @@ nlohmann::json ScoreReport::ToJson() const {
     const ScoreSummary summary = Summarise(of_class, floor_mm);
     json["by_complexity"][std::string(1, c)] = {
         {"strokes", summary.strokes},
-        {"mae_mm", Number(summary.mae_mm)},
-        {"rmse_mean_mm", Number(summary.rmse_mean_mm)},
-        {"mean_max_abs_mm", Number(summary.mean_max_abs_mm)}};
+        {"mae_mm", JsonNumber(summary.mae_mm)},
+        {"rmse_mean_mm", JsonNumber(summary.rmse_mean_mm)},
+        {"mean_max_abs_mm", JsonNumber(summary.mean_max_abs_mm)}};
   }
   for (const AccruedError& error : accrued) {
     json["accrued"].push_back({{"step", error.step},
@@ -300,7 +297,7 @@ nlohmann::json ScoreReport::ToJson() const {
     if (std::ranges::find(kPrintedSteps, error.step) != kPrintedSteps.end())
       json["accrued_rmse_mm"][std::to_string(error.step)] = error.rmse_mm;
   }
-  if (!accrued.empty()) json["accrued_growth_exponent"] = Number(accrued_growth_exponent);
+  if (!accrued.empty()) json["accrued_growth_exponent"] = JsonNumber(accrued_growth_exponent);
   if (paper_mae_mm) {
     json["paper_mae_mm"] = *paper_mae_mm;
     json["paper_rmse_mode_mm"] = *paper_rmse_mode_mm;
@@ -315,7 +312,7 @@ nlohmann::json ScoreReport::ToJson() const {
                                   {"mse_mm2", s.mse_mm2()},
                                   {"change_mm2", s.change_mm2 / static_cast<double>(s.cells)},
                                   {"max_abs_mm", s.max_abs_mm},
-                                  {"training_distance", Number(s.training_distance)}});
+                                  {"training_distance", JsonNumber(s.training_distance)}});
   return json;
 }
 

@@ -1,7 +1,5 @@
 #include "env/stress_rollouts.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -28,17 +26,9 @@ double RadiansOf(double degrees) { return degrees * std::numbers::pi / 180; }
 
 double CellSize(const SandModel& model) { return model.cell_size_m().value_or(kAnyCell_m); }
 
-int Cells(double extent_m, double cell_size_m) {
-  const int cells = static_cast<int>(std::lround(extent_m / cell_size_m));
-  if (std::abs(cells * cell_size_m - extent_m) > 1e-6)
-    throw Error(fmt::format("the bed of {} m is no whole number of the model's cells of {} m",
-                            extent_m, cell_size_m));
-  return cells;
-}
-
 HeightMap MakeBed(std::string_view kind, double cell_size_m, double repose_deg,
                   RandomStream& stream) {
-  const int n = Cells(kBed_m, cell_size_m);
+  const int n = WholeCells(kBed_m, cell_size_m, "the bed");
   if (kind == "hills")
     return GenerateTerrain({.amplitude_m = 0.02, .shapes = 2, .repose_deg = repose_deg}, n, n,
                            cell_size_m, stream);
@@ -192,7 +182,8 @@ BoxDrift RunBoxDrift(const SandModel& model, const SandModel& truth, int strokes
   RandomStream stream(seed, StreamId("box drift"));
   const double cell_m = CellSize(model);
   const HeightMap start =
-      GenerateTerrain({}, Cells(kBoxDepth_m, cell_m), Cells(kBoxWidth_m, cell_m), cell_m, stream);
+      GenerateTerrain({}, WholeCells(kBoxDepth_m, cell_m, "the box"),
+                      WholeCells(kBoxWidth_m, cell_m, "the box"), cell_m, stream);
   SandState predicted(start), real(start);
   BoxDrift drift;
   CellRect window;

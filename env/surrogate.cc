@@ -8,6 +8,7 @@
 #include "data/base/parallel.h"
 #include "env/blade_path.h"
 #include "env/coarse_heightfield.h"
+#include "env/model_config.h"
 #include "env/surrogate_encoding.h"
 #include "env/surrogate_paste.h"
 
@@ -103,13 +104,7 @@ SurrogateConfig SurrogateConfigOf(const Safetensors& content, const std::string&
         "{}: not a surrogate (metadata schema is \"{}\"; expected sandwright-surrogate)", source,
         schema == content.metadata.end() ? "" : schema->second));
   SurrogateConfig config;
-  nlohmann::json json;
-  try {
-    json = nlohmann::json::parse(content.Metadata("config", source));
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(fmt::format("{}: metadata config is not JSON: {}", source, e.what()));
-  }
-  LoadJson(FieldsOf(config), json, source + ": config");
+  LoadModelConfig(content, source, FieldsOf(config));
   return config;
 }
 

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+
+#include "tests/support/sand_checks.h"
 
 namespace sandwright {
 namespace {
@@ -23,21 +23,11 @@ HeightMap Slope() {
 const Stroke kStroke{{{0.08, 0.10, 0.03}, {0.20, 0.18, 0.035}}, 1, 0.1};
 const Stroke kToTheWall{{{0.20, 0.10, 0.01}, {0.285, 0.14, 0.01}}, 1, 0.1};
 
-double Volume(const HeightMap& map) {
-  return std::accumulate(map.height_m.begin(), map.height_m.end(), 0.0);
-}
-
 HeightMap Apply(int factor, const HeightMap& map, const Stroke& stroke) {
   std::vector<SandState> states{SandState(map)};
   const ToolPath path = SamplePath(stroke, 0.002);
   ApplyOnCoarseCells(Heightfield(), factor, states, std::span(&path, 1));
   return states[0].map();
-}
-
-double Rmse_mm(const HeightMap& a, const HeightMap& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) sum += std::pow(1e3 * (a.height_m[i] - b.height_m[i]), 2);
-  return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
 TEST(CoarseHeightfield, OneCellIsTheHeightfieldItself) {
@@ -46,7 +36,7 @@ TEST(CoarseHeightfield, OneCellIsTheHeightfieldItself) {
   const HeightMap fine = Apply(1, Slope(), kStroke);
   EXPECT_EQ(fine.height_m, states[0].map().height_m);
   // Twice as large cells come near to it.
-  EXPECT_LT(Rmse_mm(Apply(2, Slope(), kStroke), fine), 0.3 * Rmse_mm(Slope(), fine));
+  EXPECT_LT(RmsDifference(Apply(2, Slope(), kStroke), fine), 0.3 * RmsDifference(Slope(), fine));
 }
 
 TEST(CoarseHeightfield, KeepsVolumeFloorAndWhatLiesFarAway) {
