@@ -7,7 +7,7 @@
 #include <string>
 
 #include "agents/ppo.h"
-#include "agents/tensorboard.h"
+#include "data/base/tensorboard.h"
 
 namespace sandwright {
 

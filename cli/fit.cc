@@ -28,6 +28,7 @@ class FitCommand final : public Command {
         "start from this model: default (the shipped surrogate), or a .safetensors file");
     app.add_flag("--resume", resume_,
                  "go on with an interrupted fit of a surrogate, kept beside --out as OUT.state");
+    app.add_option("--log", log_, "folder for TensorBoard events of a surrogate's fit");
     app.add_option("--out", out_,
                    "what to write: surrogate and pix2pix (.safetensors) or heightfield (.yaml)")
         ->required();
@@ -50,6 +51,8 @@ class FitCommand final : public Command {
       throw Error("--data generated: only a surrogate is trained on it");
     if (resume_ && model_ != "surrogate")
       throw Error("--resume goes on with the fit of a surrogate");
+    if (!log_.empty() && model_ != "surrogate")
+      throw Error("--log " + log_ + ": only the fit of a surrogate writes events");
     { const AtomicFile probe(out_); }  // says so before the work where it cannot be written
     if (model_ == "pix2pix") return TrainPix2Pix();
     return model_ == "surrogate" ? Train() : Calibrate();
@@ -69,6 +72,7 @@ class FitCommand final : public Command {
     request.threads = threads();
     request.state = out_ + ".state";
     request.resume = resume_;
+    if (!log_.empty()) request.log = log_;
     const FitReport report = FitSurrogate(config_, request);
     WriteSafetensors(report.model, out_);
     if (!report.stopped) std::filesystem::remove(*request.state);
@@ -142,7 +146,7 @@ class FitCommand final : public Command {
   bool generates() const { return data_.size() == 1 && data_[0] == "generated"; }
 
   std::vector<std::string> data_, validation_;
-  std::string init_, out_, model_ = "surrogate";
+  std::string init_, log_, out_, model_ = "surrogate";
   bool resume_ = false;
   FitConfig config_;
   FitPix2PixConfig pix2pix_;

@@ -18,7 +18,7 @@ constexpr double kPlainStep = 0.24;
 // Longer Legendre sums are faster and distort what is steep, and what comes to rest stays distorted. So at
 // rest they are the shorter the steeper the slopes are, over the critical one; steeper still, plain steps
 // (tests/support/reference_avalanche.h).
-constexpr int kFlowStages = 8, kGentleStages = 9, kSettleStages = 5;
+constexpr int kFlowStages = 16, kGentleStages = 9, kSettleStages = 5, kPlainStages = 9;
 constexpr double kGentleBelow = 1.05, kPlainAbove = 1.14;
 constexpr double Reach(int stages) { return kPlainStep * stages * (stages + 1) / 2; }
 // Share by which a slope must pass the angle to count as still flowing.
@@ -229,7 +229,7 @@ void Avalanche::Settle(double tan_angle) {
     everywhere = false;
     const double flowing_rise_m = rise_m * (1 + kRoundingSlack);
     if (steepest > kPlainAbove * kPlainAbove)
-      PlainSteps(flowing_rise_m, kMargin * kPlainStep);
+      PlainSteps(flowing_rise_m, kPlainStages * kPlainStep);
     else
       SuperStep(flowing_rise_m,
                 Reach(steepest < kGentleBelow * kGentleBelow ? kGentleStages : kSettleStages));

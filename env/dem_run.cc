@@ -76,12 +76,13 @@ std::string Preamble(const GrainMaterial& m, const DemScene& scene) {
              "fix gravity moving gravity 9.81 vector 0 0 -1\nfix motion moving "
              "nve/sphere\ntimestep {:.9g}\n"
              "compute force all pair/local force\ncompute strongest all reduce max c_force\n"
+             "compute squares all reduce sumsq c_force\n"
              "variable speed2 atom vx*vx+vy*vy+vz*vz\ncompute fastest2 moving reduce max v_speed2\n"
              "compute mean2 moving reduce ave v_speed2\nvariable fastest equal sqrt(c_fastest2)\n"
              "variable rms equal sqrt(c_mean2)\n"
              "compute flight moving ke\ncompute spin moving erotate/sphere\n"
              "variable kinetic equal c_flight+c_spin\n"
-             "thermo_style custom step atoms c_strongest v_fastest v_rms v_kinetic f_gravity\n"
+             "thermo_style custom step atoms c_strongest v_fastest v_rms v_kinetic f_gravity c_squares\n"
              "thermo {}\nthermo_modify lost ignore flush yes\n",
              dt, std::max<int64_t>(1, std::llround(kSample_s / dt)));
 }
@@ -102,6 +103,17 @@ std::string LoadContacts(const GrainMaterial& m) {
          fmt::format("fix calm moving viscous {:.9g}\nrun {} post no\nunfix calm\n", drag,
                      LoadSteps(m)) +
          Contacts(m);
+}
+
+std::string CloseGate(const GrainMaterial& m, const DemGate& gate) {
+  constexpr double kFar_m = 100;
+  const std::string region =
+      gate.radius_m > 0 ? fmt::format("cylinder z {:.17g} {:.17g} {:.17g} -{}", gate.x_m, gate.y_m,
+                                      gate.radius_m, kFar_m)
+                        : fmt::format("block -{1} {0:.17g} -{1} {1} -{1}", gate.x_m, kFar_m);
+  return fmt::format(
+      "region gate {} {} side in\nfix gate moving wall/gran/region granular {} region gate\n",
+      region, kFar_m, ContactLaw(m, 0));
 }
 
 // Waits in slices until the grains are at rest, at most `seconds`. Slices follow each other without a
@@ -178,21 +190,23 @@ void WriteGrains(const DemConfig& c, const DemScene& scene, const std::filesyste
   WriteFileAtomically(file, text);
 }
 
-// Samples from what LAMMPS printed: lines "step atoms force fastest rms kinetic height".
+// Samples from what LAMMPS printed: lines "step atoms force fastest rms kinetic height squares".
 void ReadOutput(const GrainMaterial& m, const std::string& output, int64_t first_step,
                 DemReport& report) {
   std::istringstream lines(output);
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     int64_t step;
-    double atoms, force_n, fastest_mps, rms_mps, kinetic_j, height_j;
-    if (!(words >> step >> atoms >> force_n >> fastest_mps >> rms_mps >> kinetic_j >> height_j) ||
+    double atoms, force_n, fastest_mps, rms_mps, kinetic_j, height_j, squares_n2;
+    if (!(words >> step >> atoms >> force_n >> fastest_mps >> rms_mps >> kinetic_j >> height_j >>
+          squares_n2) ||
         !(words >> std::ws).eof())
       continue;
     const double overlap = force_n / (m.stiffness_npm() * m.grain_m);
     const double time_s = static_cast<double>(step - first_step) * m.time_step_s();
     if (time_s >= 0 && (report.samples.empty() || time_s > report.samples.back().time_s))
-      report.samples.push_back({time_s, kinetic_j, height_j, overlap});
+      report.samples.push_back(
+          {time_s, kinetic_j, height_j, squares_n2 / (2 * m.stiffness_npm()), overlap});
     report.simulated_s = time_s;
     report.deepest_overlap = std::max(report.deepest_overlap, overlap);
     report.fastest_mps = std::max(report.fastest_mps, fastest_mps);
@@ -288,9 +302,12 @@ DemReport SettleGrains(const DemConfig& config, DemScene& scene,
 
 DemReport RunGrains(const DemConfig& config, std::span<const BladeMove> moves, DemScene& scene,
                     const std::function<bool()>& stop) {
+  const std::string load = LoadContacts(config.material);
+  const std::string loaded =
+      scene.gate ? CloseGate(config.material, *scene.gate) + load + "unfix gate\n" : load;
   return Run(config,
-             Preamble(config.material, scene) + LoadContacts(config.material) +
-                 BladeScript(config, moves) + ComeToRest(config.material, config.settle_s),
+             Preamble(config.material, scene) + loaded + BladeScript(config, moves) +
+                 ComeToRest(config.material, config.settle_s),
              LoadSteps(config.material), scene, stop);
 }
 

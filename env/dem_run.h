@@ -22,11 +22,12 @@ struct BladeMove {
   double seconds;
 };
 
-// All grains at one moment. Energies leave out the springs between grains.
+// All grains at one moment. Springs: those between grains, normal to the contact.
 struct DemSample {
   double time_s;
   double kinetic_j;        // of translation and spin
   double height_j;         // of gravity, above the floor
+  double spring_j;
   double deepest_overlap;  // as in DemReport [1]
 };
 
@@ -47,6 +48,12 @@ struct DemReport {
   std::vector<BladeLoad> blade_loads;  // while there is a blade; time 0 is its first move
 };
 
+// A smooth wall that holds grains while their contacts load, and is gone when the motion starts: at
+// x_m, holding what lies below; with a radius, a cylinder around (x_m, y_m), holding what lies inside.
+struct DemGate {
+  double x_m, y_m = 0, radius_m = 0;
+};
+
 // Grains that move and grains that hold them, in a box from `low` to `high` [m, along x and y]. Grains
 // that pass a side without a wall by 10 mm are lost.
 struct DemScene {
@@ -56,6 +63,7 @@ struct DemScene {
   std::vector<uint8_t> held;                  // [grains] 1 = does not move
   std::vector<Eigen::Vector3d> velocity_mps;  // [grains] at the start; empty: at rest
   std::optional<double> wall_friction = {};   // of the sides; none: as between grains
+  std::optional<DemGate> gate = {};
 };
 
 // Fills a box: grains on a loose lattice fall and come to rest, first without rolling friction (which

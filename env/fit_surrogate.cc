@@ -16,6 +16,7 @@
 #include "data/base/random.h"
 #include "data/base/sha256.h"
 #include "data/base/stop.h"
+#include "data/base/tensorboard.h"
 #include "env/fit_samples.h"
 #include "env/surrogate_paste.h"
 #include "env/training_net.h"
@@ -298,6 +299,11 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
   };
   std::optional<Safetensors> state;  // after the last whole epoch
   double written_s = 0;
+  std::optional<TensorboardWriter> log;
+  if (request.log) {
+    std::filesystem::create_directories(*request.log);
+    log.emplace(*request.log);
+  }
   const auto patient = [&] { return report.epochs - report.best_epoch < config.patience; };
   while (report.epochs < last_epoch && patient()) {
     const int epoch = report.epochs + 1;
@@ -307,11 +313,14 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
     report.epochs = epoch;
     report.train_rmse_mm = error.rmse_mm();
     std::string note = "training " + Millimetres(report.train_rmse_mm);
+    std::vector<std::pair<std::string, double>> scalars = {
+        {"rmse_mm/training", report.train_rmse_mm}};
     if (validation.empty()) {
       report.best_epoch = epoch;
       trainer.mean().Save(report.model);
     } else {
       const double rmse_mm = Evaluate(trainer.mean(), validation).rmse_mm();
+      scalars.emplace_back("rmse_mm/validation", rmse_mm);
       if (!report.validation_rmse_mm || rmse_mm < *report.validation_rmse_mm) {
         report.validation_rmse_mm = rmse_mm;
         report.best_epoch = epoch;
@@ -320,6 +329,7 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
       note += ", " +
               ValidationNote(rmse_mm, *report.validation_rmse_mm, *report.validation_start_rmse_mm);
     }
+    if (log) log->Write(epoch, scalars);
     progress.Update(epoch, note);
     if (!request.state) continue;
     state = Snapshot(trainer, report);

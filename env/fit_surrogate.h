@@ -56,6 +56,7 @@ struct FitRequest {
   // Where the fit is kept while it runs, so that an interrupted one can go on bit for bit.
   std::optional<std::filesystem::path> state;
   bool resume = false;     // goes on from `state`
+  std::optional<std::filesystem::path> log;  // folder of TensorBoard events, one a pass
   int64_t epochs_now = 0;  // stops after so many as if by Ctrl-C; 0: goes on to the end
 };
 

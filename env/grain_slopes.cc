@@ -105,6 +105,7 @@ DemScene OpenedBlock(const DemConfig& config, const SandBlock& block, double end
   DemScene scene{{0, 0}, {end_m, block.width_m}, {true, true}, {false, true}, bed.grains, {}, {}};
   scene.held.assign(scene.grains.size(), 0);
   scene.wall_friction = 0;
+  scene.gate = DemGate{block.length_m};
   return scene;
 }
 
@@ -136,7 +137,7 @@ void AddPortion(const GrainMaterial& material, double x_m, double y_m, double bo
 
 // Energy over a run without a blade, as shares of what it lost.
 std::vector<GrainCheck> EnergyChecks(const std::string& scene, const DemReport& report) {
-  const auto total = [](const DemSample& s) { return s.kinetic_j + s.height_j; };
+  const auto total = [](const DemSample& s) { return s.kinetic_j + s.height_j + s.spring_j; };
   const std::vector<DemSample>& samples = report.samples;
   const double lost_j = total(samples.front()) - total(samples.back());
   double rise_j = 0, kinetic_j = 0;
@@ -170,7 +171,7 @@ GrainCheck PouredCone(const DemConfig& config, int portions, uint64_t seed,
   for (int i = 0; i < portions; ++i) {
     double apex_m = 0;
     for (const Grain& g : scene.grains) apex_m = std::max(apex_m, g.z_m + g.radius_m);
-    AddPortion(config.material, side_m / 2, side_m / 2, apex_m + grain_m, stream, scene);
+    AddPortion(config.material, side_m / 2, side_m / 2, apex_m + 3 * grain_m, stream, scene);
     scene.held.assign(scene.grains.size(), 0);
     RunGrains(Patient(config), {}, scene, stop);
     std::erase_if(scene.grains, [](const Grain& g) { return g.radius_m == 0; });
@@ -213,6 +214,7 @@ std::vector<GrainCheck> ColumnCollapse(const DemConfig& config, double radius_m,
     scene.grains.push_back(g);
   }
   scene.held.assign(scene.grains.size(), 0);
+  scene.gate = DemGate{middle_m, middle_m, radius_m};
   RunGrains(Patient(config), {}, scene, stop);
   const Profile after = AlongRadius(Surface(scene), scene.grains);
   const std::string name = fmt::format("column collapse, aspect {:.2g}", aspect);

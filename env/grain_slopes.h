@@ -19,8 +19,8 @@ struct SandBlock {
 GrainCheck DrainedSlope(const DemConfig& config, const SandBlock& block, uint64_t seed,
                         const std::function<bool()>& stop);
 
-// The same of a cone poured on the floor in portions of 105 grains, each let go a grain above the
-// apex.
+// The same of a cone poured on the floor in portions of 105 grains, each let go three grains above
+// the apex.
 GrainCheck PouredCone(const DemConfig& config, int portions, uint64_t seed,
                       const std::function<bool()>& stop);
 

@@ -114,12 +114,16 @@ TEST(FitSurrogate, AnInterruptedFitGoesOnBitForBit) {
   config.pushforward_steps = 2;
   const FitReport whole = FitSurrogate(config, request);
   request.state = std::filesystem::path(::testing::TempDir()) / "fit.state";
+  request.log = std::filesystem::path(::testing::TempDir()) / "events";
+  std::filesystem::remove_all(*request.log);
   request.epochs_now = 2;
   EXPECT_TRUE(FitSurrogate(config, request).stopped);
   request.epochs_now = 0;
   request.resume = true;
   const FitReport resumed = FitSurrogate(config, request);
   EXPECT_EQ(resumed.epochs, 5);
+  const std::filesystem::directory_iterator events(*request.log);
+  EXPECT_EQ(std::distance(begin(events), end(events)), 2);  // one of each call
   EXPECT_EQ(resumed.best_epoch, whole.best_epoch);
   EXPECT_EQ(resumed.validation_rmse_mm, whole.validation_rmse_mm);
   ASSERT_EQ(resumed.model.tensors.size(), whole.model.tensors.size());

@@ -1,4 +1,4 @@
-#include "agents/tensorboard.h"
+#include "data/base/tensorboard.h"
 
 #include <spdlog/fmt/fmt.h>
 
