@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "agents/evaluate.h"
-#include "agents/load_gate.h"
+#include "env/load_gate.h"
 #include "agents/policy_agent.h"
 #include "agents/run_log.h"
 #include "data/base/atomic_file.h"

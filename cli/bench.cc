@@ -36,7 +36,9 @@ class BenchCommand final : public Command {
     app.add_option("--strokes", strokes_,
                    "random strokes; suite hard: 100000, surrogate: 1000 where not given")
         ->check(CLI::PositiveNumber);
-    app.add_option("--model", model_, "of suite surrogate")->capture_default_str();
+    app.add_option("--model", bench_.models,
+                   "models, one or several: scored on --data by suite sand; of suite surrogate")
+        ->capture_default_str();
     app.add_option("--picture", picture_, "speed against error on --data (.svg)");
     app.add_option("--floor-mm", floor_mm_, "noise floor to draw into the picture [mm]");
   }
@@ -52,7 +54,9 @@ class BenchCommand final : public Command {
     if (Wants("coarse")) RunCoarse();
     if (Wants("grains")) RunGrains();
     if (Wants("hard")) RunHard();
-    if (Wants("surrogate")) RunSurrogate();
+    if (Wants("surrogate")) {
+      for (const std::string& model : bench_.models) RunSurrogate(model);
+    }
     if (!picture_.empty()) WriteFileAtomically(picture_, DrawChartFile(SpeedAgainstError()));
     WriteResult({{"rows", rows_}});
     return 0;
@@ -92,9 +96,8 @@ class BenchCommand final : public Command {
     Keep("hard", std::move(row));
   }
 
-  void RunSurrogate() {
-    const auto model =
-        LoadSandModel(model_, {.heightfield = bench_.heightfield, .dem = bench_.dem});
+  void RunSurrogate(const std::string& name) {
+    const auto model = LoadSandModel(name, {.heightfield = bench_.heightfield, .dem = bench_.dem});
     const StressConfig config{.strokes = strokes_.value_or(1000),
                               .repose_deg = bench_.heightfield.repose_deg,
                               .seed = seed(),
@@ -111,17 +114,17 @@ class BenchCommand final : public Command {
           t.bed, t.strokes, t.limited, t.not_finite, t.below_floor, t.too_high, t.stroke_drift_rel,
           t.rollout_drift_rel, t.steepest, t.slope_first, t.slope_last, t.ms_per_stroke);
       nlohmann::json row = t.ToJson();
-      row["model"] = model_;
+      row["model"] = name;
       Keep("surrogate", std::move(row));
     }
-    RunDrift(*model);
+    RunDrift(name, *model);
   }
 
-  void RunDrift(const SandModel& model) {
+  void RunDrift(const std::string& name, const SandModel& model) {
     constexpr int kStrokes = 100;
     const BoxDrift drift = RunBoxDrift(model, Heightfield(bench_.heightfield), kStrokes, seed());
     nlohmann::json row = {{"name", "1200 x 800 mm, heightfield as truth"},
-                          {"model", model_},
+                          {"model", name},
                           {"volume_drift_rel", drift.volume_drift_rel},
                           {"ms_per_stroke", drift.ms_per_stroke}};
     for (const AccruedError& error : drift.difference.Accrued())
@@ -197,7 +200,7 @@ class BenchCommand final : public Command {
   std::vector<std::string> suites_ = {"sand"};
   std::vector<std::string> data_;
   std::optional<int64_t> strokes_;
-  std::string model_ = "default", picture_;
+  std::string picture_;
   std::optional<double> floor_mm_;
   std::vector<SandBenchRow> strokes_rows_;
   SandBench bench_;

@@ -3,7 +3,7 @@
 
 #include "agents/evaluate.h"
 #include "agents/load_agent.h"
-#include "agents/load_gate.h"
+#include "env/load_gate.h"
 #include "cli/command.h"
 #include "data/base/progress.h"
 #include "env/load_sand_model.h"

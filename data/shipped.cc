@@ -1,5 +1,7 @@
 #include "data/shipped.h"
 
+#include <dlfcn.h>
+
 #include <cstdlib>
 #include <vector>
 
@@ -16,6 +18,9 @@ std::filesystem::path ShippedFile(const std::string& relative) {
     std::error_code unknown;
     const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
     if (!unknown) folders.push_back(program.parent_path() / "data");
+    // Of the Python module, where this code is part of it.
+    if (Dl_info module; dladdr(reinterpret_cast<const void*>(&ShippedFile), &module) != 0)
+      folders.push_back(std::filesystem::path(module.dli_fname).parent_path() / "data");
   }
   std::string places;
   for (const auto& folder : folders) {

@@ -50,13 +50,13 @@ struct FitConfig {
 struct FitRequest {
   // Stroke files. Without data each pass trains on new strokes of config.generate.
   std::vector<std::filesystem::path> data, validation;
-  std::optional<std::filesystem::path> init;  // start from this surrogate's net, of the same shape
+  std::optional<std::filesystem::path> init = {};  // start from this surrogate's net, of the same shape
   uint64_t seed = 0;
   int threads = 1;  // of torch; the same seed gives the same bytes for the same count
   // Where the fit is kept while it runs, so that an interrupted one can go on bit for bit.
-  std::optional<std::filesystem::path> state;
+  std::optional<std::filesystem::path> state = {};
   bool resume = false;     // goes on from `state`
-  std::optional<std::filesystem::path> log;  // folder of TensorBoard events, one a pass
+  std::optional<std::filesystem::path> log = {};  // folder of TensorBoard events, one a pass
   int64_t epochs_now = 0;  // stops after so many as if by Ctrl-C; 0: goes on to the end
 };
 

@@ -35,7 +35,7 @@ void RunGrainChecks(const DemConfig& config,
   report([&] { return std::vector{DrainedSlope(config, {0.2, 0.06, 0.1}, kSeed, stop)}; });
   report([&] { return ChannelCollapse(config, {0.08, 0.06, 0.08}, kSeed, stop); });
   report([&] { return ChannelCollapse(config, {0.06, 0.06, 0.12}, kSeed, stop); });
-  report([&] { return ColumnCollapse(config, 0.05, 0.05, kSeed, stop); });
+  report([&] { return ColumnCollapse(config, 0.08, 0.08, kSeed, stop); });
   report([&] { return std::vector{PouredCone(config, 12, kSeed, stop)}; });
   report([&] { return StrokeChecks(config, {}, kSeed, stop); });
 }

@@ -1,29 +1,11 @@
-// A sand model by the name or file that a user gives.
+// A sand model by the name or file that a user gives, those with it that need torch.
 #pragma once
 
-#include <memory>
-#include <string>
-
-#include "env/dem_config.h"
-#include "env/heightfield.h"
+#include "env/sand_model_by_name.h"
 
 namespace sandwright {
 
-struct SandModelConfig {
-  HeightfieldConfig heightfield;
-  DemConfig dem;
-
-  void Fields(FieldList& f) {
-    f.Section("heightfield", heightfield);
-    f.Section("dem", dem);
-  }
-};
-
-// `heightfield`, `none` (nothing changes; the heightfield's blade), `default` (the shipped
-// surrogate), `dem` (grains; needs LAMMPS when it runs) or a .safetensors file that `fit` wrote (a
-// surrogate or pix2pix, as its metadata says). Such a file brings its own heightfield and blade and
-// takes only the threads of `config.heightfield`.
-// Throws Error for any other name.
+// What SandModelByName takes, and the .safetensors file of a pix2pix.
 std::unique_ptr<SandModel> LoadSandModel(const std::string& name_or_file,
                                          const SandModelConfig& config);
 

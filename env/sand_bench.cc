@@ -119,7 +119,11 @@ void RunSandBench(const SandBench& bench, const std::function<void(const SandBen
   done(ScoreRow(StillSand(config.blade), bench, 0.004));
   for (const double cell_size_m : {0.01, 0.005, 0.0025, 0.00125})
     done(ScoreRow(Heightfield(config), bench, cell_size_m));
-  done(ScoreRow(*LoadSandModel("default", {}), bench, 0));
+  for (const std::string& name : bench.models) {
+    SandBenchRow row = ScoreRow(*LoadSandModel(name, {}), bench, 0);
+    if (name != "default") row.name = "strokes: " + std::filesystem::path(name).stem().string();
+    done(row);
+  }
 }
 
 void RunGrainSizes(const SandBench& bench, const std::function<void(const SandBenchRow&)>& done) {

@@ -31,11 +31,12 @@ struct SandBench {
   HeightfieldConfig heightfield;
   DemConfig dem;
   int threads = 1;
-  std::vector<std::filesystem::path> data;  // stroke files; empty: no errors on strokes
+  std::vector<std::filesystem::path> data;       // stroke files; empty: no errors on strokes
+  std::vector<std::string> models = {"default"};  // scored on them, as LoadSandModel takes them
 };
 
 // Exact cases; a stroke of 200 mm by cell size and by size of the box; a batch by threads; and, on
-// recorded strokes, nothing changes, heightfield by cell size and the shipped surrogate. Each row is
+// recorded strokes, nothing changes, heightfield by cell size and `models`. Each row is
 // given to `done` as it comes. Ctrl-C throws kInterrupted.
 void RunSandBench(const SandBench& bench, const std::function<void(const SandBenchRow&)>& done);
 

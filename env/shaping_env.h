@@ -34,35 +34,66 @@ TaskSource TasksFrom(std::vector<Task> tasks);
 // A new one each time.
 TaskSource TasksFrom(const TaskConfig& config);
 
+// When a row whose episode ended starts anew.
+enum class Autoreset {
+  kSameStep,  // in the step that ended it: what VecEnv::Step promises
+  kNextStep,  // in the step after, which ignores its action, is worth 0 and ends nothing
+  kDisabled,  // only by Reset; stepping it before throws Error
+};
+
 // Episode k of environment i draws its task and its noise from streams of (seed, purpose, i 2^32 +
 // k): the same seed gives the same bytes whatever World::threads is.
 class ShapingEnv final : public VecEnv {
  public:
+  // Everything that changes: restoring it goes on bit for bit, and copies are what-if worlds.
+  struct State {
+    // Where a row's randomness comes from: (seed, row), and how many episodes it has started.
+    struct Source {
+      uint64_t seed, row, episodes;
+    };
+    std::vector<EpisodeState> episodes;  // [N]
+    std::vector<Source> sources;         // [N]
+  };
+
   // `world` must outlive the environment.
-  ShapingEnv(const ShapingConfig& config, const World& world, TaskSource tasks);
+  ShapingEnv(const ShapingConfig& config, const World& world, TaskSource tasks,
+             Autoreset autoreset = Autoreset::kSameStep);
 
   int num_envs() const override { return static_cast<int>(config_.num_envs); }
   const ObservationSpec& observation_spec() const override { return spec_; }
   int action_size() const override { return kActionSize; }
   ObservationBatch Reset(uint64_t seed) override;
-  // Each finished episode's summary carries EpisodeMetrics.
+  // Starts the rows where `chosen` [N] is not 0 anew: with seeds[i] as the only row of Reset(seeds[i])
+  // would, without with the next episode of its own. Returns what all rows show.
+  ObservationBatch Reset(std::span<const uint8_t> chosen,
+                         std::span<const std::optional<uint64_t>> seeds);
+  // Each finished episode's summary carries EpisodeMetrics; they are in the order of their rows.
+  // final_observation is filled in for Autoreset::kSameStep only.
   StepBatch Step(std::span<const float> action_na) override;
 
+  // What all rows show now.
+  ObservationBatch Observe() const;
   // The episodes as they stand [N].
-  std::span<const EpisodeState> episodes() const { return episodes_; }
+  std::span<const EpisodeState> episodes() const { return state_.episodes; }
+  // What the last Step did in each row [N]; none where it started anew instead.
+  std::span<const std::optional<StrokeResult>> results() const { return results_; }
+
+  const State& state() const { return state_; }
+  // A state of an environment of the same configuration, model and number of rows.
+  void Restore(State state);
 
  private:
-  EpisodeState NewEpisode(int index, uint64_t number) const;
+  EpisodeState NewEpisode(State::Source& source) const;
   void EncodeInto(int index, ObservationBatch& batch) const;
   ObservationBatch EmptyBatch() const;  // zeros
 
   ShapingConfig config_;
   World world_;
   TaskSource tasks_;
+  Autoreset autoreset_;
   ObservationSpec spec_;
-  uint64_t seed_ = 0;
-  std::vector<EpisodeState> episodes_;
-  std::vector<uint64_t> episode_number_;  // [N] episodes started so far
+  State state_;
+  std::vector<std::optional<StrokeResult>> results_;
 };
 
 }  // namespace sandwright

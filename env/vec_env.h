@@ -15,6 +15,8 @@ struct ObservationSpec {
   std::vector<std::string> channels;  // of `map`, C of them
   int rows = 0, columns = 0;          // H, W of `map`
   std::vector<std::string> numbers;   // of `vec`, V of them
+  float map_limit = 50;               // |map| is at most this (heights: metres of sand)
+  float vec_high = 1000;              // vec lies in 0..vec_high
   int map_size() const { return static_cast<int>(channels.size()) * rows * columns; }
   int vec_size() const { return static_cast<int>(numbers.size()); }
 };

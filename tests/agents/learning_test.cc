@@ -4,7 +4,7 @@
 
 #include "agents/evaluate.h"
 #include "agents/load_agent.h"
-#include "agents/load_gate.h"
+#include "env/load_gate.h"
 #include "agents/train.h"
 #include "env/load_sand_model.h"
 

@@ -54,7 +54,7 @@ TEST(LoadSandModel, NamesAndRefusals) {
   const auto path = std::filesystem::path(::testing::TempDir()) / "foreign.safetensors";
   WriteSafetensors({{{"weight", {{1}, {0}}}}, {}}, path);
   EXPECT_THAT([&] { LoadSandModel(path.string(), {}); },
-              ThrowsMessage<Error>(HasSubstr("not a sand model")));
+              ThrowsMessage<Error>(HasSubstr("not a surrogate")));
 }
 
 }  // namespace

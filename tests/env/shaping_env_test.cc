@@ -197,6 +197,100 @@ TEST(ShapingEnv, FixedTasksAreAllDrawn) {
   EXPECT_EQ(drawn[0] + drawn[1] + drawn[2], 30);
 }
 
+std::vector<float> Row(const ObservationBatch& batch, const ObservationSpec& spec, int row) {
+  const auto at = batch.map.begin() + row * spec.map_size();
+  std::vector<float> values(at, at + spec.map_size());
+  const auto numbers = batch.vec.begin() + row * spec.vec_size();
+  values.insert(values.end(), numbers, numbers + spec.vec_size());
+  return values;
+}
+
+TEST(ShapingEnv, ARowWithASeedOfItsOwnIsAnEnvironmentAlone) {
+  const Heightfield sand;
+  ShapingConfig single = SmallConfig();
+  single.num_envs = 1;
+  ShapingEnv alone(single, {.sand = sand}, TasksFrom(SmallTasks()));
+  ShapingEnv many(SmallConfig(), {.sand = sand, .threads = 2}, TasksFrom(SmallTasks()));
+  const ObservationSpec& spec = many.observation_spec();
+  const ObservationBatch before = many.Reset(3);
+  std::vector<std::optional<uint64_t>> seeds(5);
+  seeds[2] = 77;
+  const std::vector<uint8_t> chosen = {0, 0, 1, 0, 1};
+  ObservationBatch shown = many.Reset(chosen, seeds), own = alone.Reset(77);
+  EXPECT_EQ(Row(shown, spec, 2), Row(own, spec, 0));
+  EXPECT_EQ(Row(shown, spec, 0), Row(before, spec, 0));
+  EXPECT_NE(Row(shown, spec, 4), Row(before, spec, 4));  // its next episode
+  RandomStream stream(5);
+  for (int k = 0; k < 9; ++k) {
+    const std::vector<float> actions = RandomActions(5, stream);
+    const StepBatch batch = many.Step(actions);
+    const StepBatch one = alone.Step(std::span(actions).subspan(2 * kActionSize, kActionSize));
+    EXPECT_EQ(Row(batch.observation, spec, 2), Row(one.observation, spec, 0)) << k;
+    EXPECT_EQ(batch.reward[2], one.reward[0]);
+  }
+}
+
+TEST(ShapingEnv, ARestoredStateGoesOnBitForBit) {
+  const Heightfield sand;
+  ShapingConfig config = SmallConfig();
+  config.episode.sensor_noise_m = 0.001;
+  ShapingEnv env(config, {.sand = sand}, TasksFrom(SmallTasks()));
+  ShapingEnv other(config, {.sand = sand}, TasksFrom(SmallTasks()));
+  RandomStream stream(6);
+  env.Reset(4);
+  for (int k = 0; k < 3; ++k) env.Step(RandomActions(5, stream));
+  other.Restore(env.state());
+  EXPECT_EQ(env.Observe().map, other.Observe().map);
+  for (int k = 0; k < 6; ++k) {
+    const std::vector<float> actions = RandomActions(5, stream);
+    const StepBatch a = env.Step(actions), b = other.Step(actions);
+    EXPECT_EQ(a.observation.map, b.observation.map);
+    EXPECT_EQ(a.reward, b.reward);
+  }
+}
+
+TEST(ShapingEnv, TheNextStepAfterAnEndStartsAnew) {
+  const Heightfield sand;
+  ShapingConfig config = SmallConfig();
+  config.random_phase = false;
+  ShapingEnv same(config, {.sand = sand}, TasksFrom(SmallTasks()));
+  ShapingEnv next(config, {.sand = sand}, TasksFrom(SmallTasks()), Autoreset::kNextStep);
+  RandomStream stream(7);
+  same.Reset(8), next.Reset(8);
+  StepBatch a, b;
+  for (int k = 0; k < 4; ++k) {
+    const std::vector<float> actions = RandomActions(5, stream);
+    a = same.Step(actions), b = next.Step(actions);
+    EXPECT_EQ(a.reward, b.reward);
+    EXPECT_EQ(a.terminated, b.terminated);
+  }
+  EXPECT_EQ(b.terminated, std::vector<uint8_t>(5, 1));
+  EXPECT_EQ(b.finished.size(), 5u);
+  EXPECT_EQ(b.observation.map, a.final_observation.map);
+  b = next.Step(RandomActions(5, stream));
+  EXPECT_EQ(b.observation.map, a.observation.map);
+  EXPECT_EQ(b.reward, std::vector<float>(5, 0));
+  EXPECT_EQ(b.terminated, std::vector<uint8_t>(5, 0));
+  EXPECT_TRUE(b.finished.empty());
+  EXPECT_FALSE(next.results()[0].has_value());
+}
+
+TEST(ShapingEnv, WithoutAutoresetAStepAfterTheEndIsRefused) {
+  const Heightfield sand;
+  ShapingConfig config = SmallConfig();
+  config.random_phase = false;
+  ShapingEnv env(config, {.sand = sand}, TasksFrom(SmallTasks()), Autoreset::kDisabled);
+  RandomStream stream(8);
+  env.Reset(9);
+  for (int k = 0; k < 4; ++k) env.Step(RandomActions(5, stream));
+  const ObservationBatch end = env.Observe();
+  EXPECT_THAT([&] { env.Step(RandomActions(5, stream)); },
+              ThrowsMessage<Error>(HasSubstr("reset it before a step")));
+  EXPECT_EQ(env.Observe().map, end.map);
+  env.Reset(std::vector<uint8_t>(5, 1), std::vector<std::optional<uint64_t>>(5));
+  env.Step(RandomActions(5, stream));
+}
+
 TEST(ShapingEnv, BadActionThrowsBeforeAnythingChanges) {
   const Heightfield sand;
   ShapingEnv env(SmallConfig(), {.sand = sand}, TasksFrom(SmallTasks()));

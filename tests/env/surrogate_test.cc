@@ -257,8 +257,9 @@ TEST_P(SurrogateArchitecture, KeepsVolumeAndFloorUnderWildWeights) {
   for (const float bias : {-3.0f, 0.0f, 3.0f}) {
     Safetensors wild = RandomParameters(config.net, bias);
     const HeightMap after = Apply(Surrogate(config, wild, "test"), bed, stroke);
-    if (bias == 0)  // else the residual may be all inflow, of which nothing is kept
+    if (bias == 0) {  // else the residual may be all inflow, of which nothing is kept
       EXPECT_NE(after.height_m, Apply(Heightfield(config.heightfield), bed, stroke).height_m);
+    }
     EXPECT_NEAR(Volume(after), Volume(bed), 2e-6 * Volume(bed));
     for (float h : after.height_m) ASSERT_GE(h, 0);
     EXPECT_EQ(after.At(2, 2), bed.At(2, 2));

@@ -1,4 +1,4 @@
-#include "agents/load_gate.h"
+#include "env/load_gate.h"
 
 #include <filesystem>
 

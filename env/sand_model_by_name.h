@@ -1,0 +1,29 @@
+// A sand model by the name or file that a user gives, of those that predict without torch.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "env/dem_config.h"
+#include "env/heightfield.h"
+
+namespace sandwright {
+
+struct SandModelConfig {
+  HeightfieldConfig heightfield;
+  DemConfig dem;
+
+  void Fields(FieldList& f) {
+    f.Section("heightfield", heightfield);
+    f.Section("dem", dem);
+  }
+};
+
+// `heightfield`, `none` (nothing changes; the heightfield's blade), `default` (the shipped
+// surrogate), `dem` (grains; needs LAMMPS when it runs) or the .safetensors file of a surrogate. Such
+// a file brings its own heightfield and blade and takes only the threads of `config.heightfield`.
+// Throws Error for any other name.
+std::unique_ptr<SandModel> SandModelByName(const std::string& name_or_file,
+                                           const SandModelConfig& config);
+
+}  // namespace sandwright
