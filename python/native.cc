@@ -10,6 +10,7 @@
 #include "data/picture.h"
 #include "data/task.h"
 #include "env/load_gate.h"
+#include "env/reference/reference_task.h"
 #include "env/sand_model_by_name.h"
 #include "env/shaping_env.h"
 
@@ -240,6 +241,28 @@ class NativeEnv {
   std::optional<ShapingEnv> env_;
 };
 
+// One reference task, for a comparison with Gymnasium's.
+class NativeReference {
+ public:
+  explicit NativeReference(const std::string& name)
+      : task_(MakeReferenceTask(name)),
+        seen_(static_cast<size_t>(task_->spec().observation_size)) {}
+
+  nb::object Reset(uint64_t seed) {
+    NumpyRandom random(seed);
+    task_->Reset(random, seen_);
+    return nb::cast(ToNumpy(seen_, {seen_.size()}));
+  }
+  nb::tuple Step(float action) {
+    const ReferenceStep step = task_->Step(action, seen_);
+    return nb::make_tuple(ToNumpy(seen_, {seen_.size()}), step.reward, step.terminated);
+  }
+
+ private:
+  std::unique_ptr<ReferenceTask> task_;
+  std::vector<float> seen_;
+};
+
 }  // namespace
 }  // namespace sandwright
 
@@ -254,6 +277,10 @@ NB_MODULE(_native, module) {
                       error.what());
     }
   });
+  nb::class_<sandwright::NativeReference>(module, "ReferenceTask")
+      .def(nb::init<const std::string&>(), nb::arg("name"))
+      .def("reset", &sandwright::NativeReference::Reset, nb::arg("seed"))
+      .def("step", &sandwright::NativeReference::Step, nb::arg("action"));
   nb::class_<sandwright::ShapingEnv::State>(module, "State");
   nb::class_<NativeEnv>(module, "NativeEnv")
       .def(nb::init<const std::string&, const std::string&>(), nb::arg("config_json"),
