@@ -9,7 +9,7 @@
 namespace sandwright {
 namespace {
 
-using ::testing::FloatEq;
+using ::testing::FloatNear;
 using ::testing::HasSubstr;
 using ::testing::Pointwise;
 using ::testing::ThrowsMessage;
@@ -24,13 +24,13 @@ std::vector<float> Reset(ReferenceTask& task, uint64_t seed) {
 TEST(ReferenceTask, CartPoleStartsAndStepsAsGymnasiums) {
   const auto task = MakeReferenceTask("CartPole-v1");
   using V = std::vector<float>;
-  EXPECT_THAT(Reset(*task, 43), Pointwise(FloatEq(), V{0.01522993f, -0.04562247f, -0.04799704f, 0.03392126f}));
-  EXPECT_THAT(Reset(*task, 44), Pointwise(FloatEq(), V{-0.03774345f, -0.02418869f, -0.00942293f, 0.0469184f}));
-  EXPECT_THAT(Reset(*task, 123), Pointwise(FloatEq(), V{0.01823519f, -0.0446179f, -0.02796401f, -0.03156282f}));
+  EXPECT_THAT(Reset(*task, 43), Pointwise(FloatNear(6e-9f), V{0.01522993f, -0.04562247f, -0.04799704f, 0.03392126f}));
+  EXPECT_THAT(Reset(*task, 44), Pointwise(FloatNear(6e-9f), V{-0.03774345f, -0.02418869f, -0.00942293f, 0.0469184f}));
+  EXPECT_THAT(Reset(*task, 123), Pointwise(FloatNear(6e-9f), V{0.01823519f, -0.0446179f, -0.02796401f, -0.03156282f}));
   V seen = Reset(*task, 42);
-  EXPECT_THAT(seen, Pointwise(FloatEq(), V{0.0273956f, -0.00611216f, 0.03585979f, 0.0197368f}));
+  EXPECT_THAT(seen, Pointwise(FloatNear(6e-9f), V{0.0273956f, -0.00611216f, 0.03585979f, 0.0197368f}));
   const ReferenceStep step = task->Step(1, seen);
-  EXPECT_THAT(seen, Pointwise(FloatEq(), V{0.02727336f, 0.18847767f, 0.03625453f, -0.26141977f}));
+  EXPECT_THAT(seen, Pointwise(FloatNear(6e-9f), V{0.02727336f, 0.18847767f, 0.03625453f, -0.26141977f}));
   EXPECT_EQ(step.reward, 1);
   EXPECT_FALSE(step.terminated);
 }
