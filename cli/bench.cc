@@ -9,6 +9,7 @@
 #include "data/base/atomic_file.h"
 #include "data/base/progress.h"
 #include "data/stroke_dataset.h"
+#include "env/env_bench.h"
 #include "env/grain_checks.h"
 #include "env/load_sand_model.h"
 #include "env/random_strokes.h"
@@ -27,10 +28,10 @@ class BenchCommand final : public Command {
   void Declare(CLI::App& app) override {
     app.add_option(
            "--suite", suites_,
-           "what to measure, one or several: sand; grains (a check of the grains, slow) and coarse "
+           "what to measure, one or several: sand; env (the shaping environment); grains (a check of the grains, slow) and coarse "
            "(coarser grains on --data, slow), which need LAMMPS; hard (random strokes); surrogate "
            "(rollouts of --model on the worst beds); all")
-        ->check(CLI::IsMember({"sand", "grains", "coarse", "hard", "surrogate", "all"}))
+        ->check(CLI::IsMember({"sand", "env", "grains", "coarse", "hard", "surrogate", "all"}))
         ->capture_default_str();
     app.add_option("--data", data_, "stroke files or folders: errors on recorded strokes too");
     app.add_option("--strokes", strokes_,
@@ -51,6 +52,7 @@ class BenchCommand final : public Command {
     bench_.threads = threads();
     if (!data_.empty()) bench_.data = FindStrokeFiles(data_);
     if (Wants("sand")) RunSand();
+    if (Wants("env")) RunEnv();
     if (Wants("coarse")) RunCoarse();
     if (Wants("grains")) RunGrains();
     if (Wants("hard")) RunHard();
@@ -70,6 +72,15 @@ class BenchCommand final : public Command {
   void RunSand() {
     PrintSandHead();
     RunSandBench(bench_, [this](const SandBenchRow& row) { Add("sand", row); });
+  }
+
+  void RunEnv() {
+    EnvBench bench{.sand = {bench_.heightfield, bench_.dem}, .threads = threads()};
+    RunEnvBench(bench, [this](const nlohmann::json& row) {
+      fmt::print("{}\n", row.dump());
+      std::fflush(stdout);
+      Keep("env", row);
+    });
   }
 
   void RunCoarse() {

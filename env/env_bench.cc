@@ -1,0 +1,187 @@
+#include "env/env_bench.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <fstream>
+
+#include "data/base/stop.h"
+#include "env/load_gate.h"
+#include "env/reference/reference_task.h"
+#include "env/shaping_env.h"
+
+namespace sandwright {
+namespace {
+
+constexpr int kRuns = 5, kBatch = 32;
+
+double Now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double Median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+// The same model, and how long its batches took.
+class TimedSand final : public SandModel {
+ public:
+  explicit TimedSand(const SandModel& sand) : sand_(sand) {}
+  std::string name() const override { return sand_.name(); }
+  const Blade& blade() const override { return sand_.blade(); }
+  std::optional<double> cell_size_m() const override { return sand_.cell_size_m(); }
+  double seconds() const { return seconds_; }
+
+ protected:
+  std::vector<Outcome> ApplyChecked(std::span<SandState> states,
+                                    std::span<const ToolPath> paths) const override {
+    const double start_s = Now_s();
+    std::vector<Outcome> outcomes = sand_.Apply(states, paths);
+    seconds_ += Now_s() - start_s;
+    return outcomes;
+  }
+
+ private:
+  const SandModel& sand_;
+  mutable double seconds_ = 0;  // Step calls it from one thread
+};
+
+struct Scene {
+  std::string name, workcell;
+  TaskConfig task;
+  EpisodeConfig episode;
+};
+
+std::vector<Scene> Scenes() {
+  Scene small{"small", "workcell_small.yaml", {}, {}}, box{"box", "workcell.yaml", {}, {}};
+  box.task.width_m = 1.2;
+  box.task.depth_m = 0.8;
+  box.task.goal_width_m = box.task.goal_depth_m = 0.3;
+  box.episode.region_width_m = box.episode.region_depth_m = 0.3;
+  return {small, box};
+}
+
+std::vector<float> RandomActions(RandomStream& stream) {
+  std::vector<float> actions(static_cast<size_t>(kBatch * kActionSize));
+  for (float& a : actions) a = static_cast<float>(stream.Uniform(-1, 1));
+  return actions;
+}
+
+// Seconds of `work`, a mean over as many calls as fit into a fifth of a second.
+double MeanSeconds(const std::function<void()>& work) {
+  const double start_s = Now_s();
+  int calls = 0;
+  for (; Now_s() < start_s + 0.2; ++calls) work();
+  return (Now_s() - start_s) / calls;
+}
+
+double Resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  double total_pages = 0, resident_pages = 0;
+  statm >> total_pages >> resident_pages;
+  return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std::string& world,
+                            int threads) {
+  SandModelConfig config = bench.sand;
+  config.heightfield.threads = threads;
+  const auto model = SandModelByName(world, config);
+  const TimedSand sand(*model);
+  const auto gate = LoadGate(scene.workcell);
+  TaskConfig task = scene.task;
+  task.cell_size_m = model->cell_size_m().value_or(task.cell_size_m);
+  ShapingConfig shaping;
+  shaping.num_envs = kBatch;
+  shaping.episode = scene.episode;
+  const double before_bytes = Resident_bytes();
+  ShapingEnv env(shaping, {sand, gate.get(), threads}, TasksFrom(task));
+  const double bytes = Resident_bytes() - before_bytes;
+
+  RandomStream stream(1, StreamId("benchmark actions"));
+  std::vector<double> rates, cpu_rates;
+  double steps = 0, spent_s = 0, strokes = 0, rejected = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    const double start_s = Now_s();
+    const std::clock_t cpu_start = std::clock();
+    double elapsed_s = 0, count = 0;
+    while (elapsed_s < bench.seconds) {
+      ThrowIfStopRequested();
+      for (const EpisodeSummary& summary : env.Step(RandomActions(stream)).finished) {
+        strokes += summary.metrics.at("strokes");
+        rejected += summary.metrics.at("rejected_strokes");
+      }
+      ++count;
+      elapsed_s = Now_s() - start_s;
+    }
+    rates.push_back(count * kBatch / elapsed_s);
+    cpu_rates.push_back(count * kBatch * CLOCKS_PER_SEC / static_cast<double>(std::clock() - cpu_start));
+    steps += count;
+    spent_s += elapsed_s;
+  }
+  // The gate and the observation apart, on the strokes of a step as it stands.
+  const double step_s = spent_s / steps, sand_s = sand.seconds() / steps;
+  const double observe_s = MeanSeconds([&] { env.Observe(); });
+  const std::vector<float> actions = RandomActions(stream);
+  const double gate_s = MeanSeconds([&] {
+    for (size_t i = 0; i < kBatch; ++i) {
+      Action action;
+      std::copy_n(actions.begin() + static_cast<std::ptrdiff_t>(i * kActionSize), kActionSize,
+                  action.begin());
+      const EpisodeState& episode = env.episodes()[i];
+      gate->Check(DecodeAction(action, episode.sensed.map(), episode.region, sand.blade(), 0.1),
+                  episode.sensed.map(), GateSampling::kCoarse);
+    }
+  });
+  return {{"name", scene.name + ", " + world},
+          {"threads", threads},
+          {"batch", kBatch},
+          {"cell_size_m", task.cell_size_m},
+          {"strokes_per_second", Median(rates)},
+          {"strokes_per_cpu_second", Median(cpu_rates)},
+          {"rejected_share", rejected / strokes},
+          {"share_sand", sand_s / step_s},
+          {"share_gate", gate_s / threads / step_s},
+          {"share_observation", observe_s / step_s},
+          {"gate_ms_per_stroke", 1e3 * gate_s / kBatch},
+          {"bytes_per_environment", bytes / kBatch}};
+}
+
+nlohmann::json MeasureTask(const std::string& name) {
+  const auto task = MakeReferenceTask(name);
+  const ReferenceSpec& spec = task->spec();
+  std::vector<float> seen(static_cast<size_t>(spec.observation_size));
+  NumpyRandom random(1);
+  constexpr int kSteps = 200000;
+  std::vector<double> seconds;
+  for (int run = 0; run < kRuns; ++run) {
+    ThrowIfStopRequested();
+    task->Reset(random, seen);
+    const double start_s = Now_s();
+    for (int step = 0; step < kSteps; ++step) {
+      const float action = spec.choices > 0 ? static_cast<float>(step % spec.choices) : 0.5f;
+      if (task->Step(action, seen).terminated) task->Reset(random, seen);
+    }
+    seconds.push_back((Now_s() - start_s) / kSteps);
+  }
+  return {{"name", name}, {"step_us", 1e6 * Median(seconds)}};
+}
+
+}  // namespace
+
+void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann::json&)>& done) {
+  for (const Scene& scene : Scenes()) {
+    for (const std::string& world : bench.worlds) {
+      for (int threads = 1; threads <= bench.threads; threads *= 2)
+        done(MeasureScene(bench, scene, world, threads));
+    }
+  }
+  for (const char* name : {"CartPole-v1", "Acrobot-v1", "Pendulum-v1", "MountainCarContinuous-v0"})
+    done(MeasureTask(name));
+}
+
+}  // namespace sandwright
