@@ -240,7 +240,7 @@ TEST(StrokeDatasetTest, BadFilesNameTheGroup) {
 TEST(StrokeDatasetTest, ReadsTheShippedGrains) {
   const std::string folder = std::string(SANDWRIGHT_ROOT) + "/data/strokes/dem";
   const auto files = FindStrokeFiles({folder});
-  ASSERT_EQ(files.size(), 13u);
+  ASSERT_EQ(files.size(), 15u);
   for (const auto& path : files) {
     const StrokeFile file = ReadStrokeFile(path);
     EXPECT_EQ(file.source, "dem");
