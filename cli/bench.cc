@@ -41,6 +41,10 @@ class BenchCommand final : public Command {
                    "models, one or several: scored on --data by suite sand; of suite surrogate")
         ->capture_default_str();
     app.add_option("--picture", picture_, "speed against error on --data (.svg)");
+    app.add_option("--with", earlier_,
+                   "results of earlier runs (.json): their rows on recorded strokes join the "
+                   "picture and the result, for what is slow to measure")
+        ->check(CLI::ExistingFile);
     app.add_option("--floor-mm", floor_mm_, "noise floor to draw into the picture [mm]");
   }
   void Fields(FieldList& f) override {
@@ -59,6 +63,7 @@ class BenchCommand final : public Command {
     if (Wants("surrogate")) {
       for (const std::string& model : bench_.models) RunSurrogate(model);
     }
+    for (const std::string& file : earlier_) TakeRows(file);
     if (!picture_.empty()) WriteFileAtomically(picture_, DrawChartFile(SpeedAgainstError()));
     WriteResult({{"rows", rows_}});
     return 0;
@@ -203,6 +208,19 @@ class BenchCommand final : public Command {
     Keep("grains", std::move(json));
   }
 
+  // The rows on recorded strokes of an earlier result.
+  void TakeRows(const std::string& file) {
+    const nlohmann::json result = nlohmann::json::parse(ReadFile(file), nullptr, false);
+    if (!result.is_object() || !result.contains("rows"))
+      throw Error(file + ": not a result of bench (no rows)");
+    for (const nlohmann::json& row : result["rows"]) {
+      if (!row.contains("r2_change") || !row.contains("rmse_mm")) continue;
+      strokes_rows_.push_back({.name = row.at("name"),
+                               .ms_per_stroke = row.at("ms_per_stroke"),
+                               .rmse_mm = row.at("rmse_mm").get<double>()});
+      rows_.push_back(row);
+    }
+  }
   void Keep(const char* suite, nlohmann::json row) {
     row["suite"] = suite;
     rows_.push_back(std::move(row));
@@ -211,6 +229,7 @@ class BenchCommand final : public Command {
   std::vector<std::string> suites_ = {"sand"};
   std::vector<std::string> data_;
   std::optional<int64_t> strokes_;
+  std::vector<std::string> earlier_;
   std::string picture_;
   std::optional<double> floor_mm_;
   std::vector<SandBenchRow> strokes_rows_;
