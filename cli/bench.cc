@@ -162,7 +162,8 @@ class BenchCommand final : public Command {
                 .reference_name = "what two packings of the same bed leave open",
                 .logarithmic_x = true,
                 .width_px = 760};
-    const char* colours[] = {"#888888", "#1f6fb2", "#c8501e", "#2a8a4a", "#7a4fb0"};
+    const char* colours[] = {"#888888", "#1f6fb2", "#c8501e", "#2a8a4a",
+                             "#7a4fb0", "#b5892b", "#d0548f", "#222222"};
     for (const SandBenchRow& row : strokes_rows_) {
       const std::string name = row.name.substr(row.name.find(": ") + 2);
       auto series = std::ranges::find(chart.series, name, &ChartSeries::name);

@@ -1,12 +1,10 @@
 #include "env/env_bench.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <ctime>
-#include <fstream>
 
 #include "data/base/stop.h"
 #include "env/load_gate.h"
@@ -79,13 +77,6 @@ double MeanSeconds(const std::function<void()>& work) {
   return (Now_s() - start_s) / calls;
 }
 
-double Resident_bytes() {
-  std::ifstream statm("/proc/self/statm");
-  double total_pages = 0, resident_pages = 0;
-  statm >> total_pages >> resident_pages;
-  return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
 nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std::string& world,
                             int threads) {
   SandModelConfig config = bench.sand;
@@ -98,9 +89,7 @@ nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std
   ShapingConfig shaping;
   shaping.num_envs = kBatch;
   shaping.episode = scene.episode;
-  const double before_bytes = Resident_bytes();
   ShapingEnv env(shaping, {sand, gate.get(), threads}, TasksFrom(task));
-  const double bytes = Resident_bytes() - before_bytes;
 
   RandomStream stream(1, StreamId("benchmark actions"));
   std::vector<double> rates, cpu_rates;
@@ -147,8 +136,7 @@ nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std
           {"share_sand", sand_s / step_s},
           {"share_gate", gate_s / threads / step_s},
           {"share_observation", observe_s / step_s},
-          {"gate_ms_per_stroke", 1e3 * gate_s / kBatch},
-          {"bytes_per_environment", bytes / kBatch}};
+          {"gate_ms_per_stroke", 1e3 * gate_s / kBatch}};
 }
 
 nlohmann::json MeasureTask(const std::string& name) {
