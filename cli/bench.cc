@@ -28,8 +28,8 @@ class BenchCommand final : public Command {
   void Declare(CLI::App& app) override {
     app.add_option(
            "--suite", suites_,
-           "what to measure, one or several: sand; env (the shaping environment); grains (a check of the grains, slow) and coarse "
-           "(coarser grains on --data, slow), which need LAMMPS; hard (random strokes); surrogate "
+           "what to measure, one or several: sand; env (the shaping environment); grains (a check of "
+           "the grains, slow) and coarse (coarser grains on --data, slow), which need LAMMPS; hard (random strokes); surrogate "
            "(rollouts of --model on the worst beds); all")
         ->check(CLI::IsMember({"sand", "env", "grains", "coarse", "hard", "surrogate", "all"}))
         ->capture_default_str();

@@ -59,7 +59,6 @@ class ShapeEnv(gymnasium.Env):
             config=config,
         )
         self._observation = observation
-        self._spec = self.native.spec()
         self.action_space = scenes.action_space(self.native)
         self.observation_space = scenes.observation_space(self.native, observation)
         self._started = False
@@ -123,11 +122,8 @@ class ShapeEnv(gymnasium.Env):
         self._started = True
         return self._show(self.native.restore(state))
 
-    def _show(self, shown):
-        maps, vec = shown
-        if self._observation == "image":
-            return scenes.to_images(self._spec, maps, vec)[0]
-        return {"map": maps[0], "vec": vec[0]}
+    def _show(self, arrays):
+        return scenes.row_of(scenes.show(self.native, self._observation, arrays), 0)
 
     def _draw(self, picture: np.ndarray) -> None:
         try:

@@ -48,8 +48,7 @@ class VecEnv(BaseVecEnv):
         )
         self.render_mode = "rgb_array"
         self._observation = observation
-        self._spec = self.native.spec()
-        self._actions = np.zeros((num_envs, len(self._spec["actions"])), np.float32)
+        self._actions = np.zeros((num_envs, len(self.native.spec()["actions"])), np.float32)
         self._start_s = time.time()
         self._started = False
         super().__init__(
@@ -82,13 +81,13 @@ class VecEnv(BaseVecEnv):
         infos: list[dict[str, Any]] = [
             {key: float(step[key][row]) for key in RESULT_KEYS} for row in range(self.num_envs)
         ]
-        final = self._show(step["final_observation"])
+        final = self._show(step["final_observation"]) if done.any() else None
         for row, (episode_return, length, metrics) in zip(
             np.flatnonzero(done), step["finished"], strict=True
         ):
             infos[row].update(
                 {
-                    "terminal_observation": self._row(final, row),
+                    "terminal_observation": scenes.row_of(final, row),
                     "TimeLimit.truncated": bool(truncated[row]),
                     "metrics": metrics,
                     "episode": {
@@ -119,16 +118,8 @@ class VecEnv(BaseVecEnv):
         # VecEnv.step_wait writes what Monitor would.
         return [wrapper_class.__name__ == "Monitor" for _ in self._get_indices(indices)]
 
-    def _show(self, shown):
-        maps, vec = shown
-        if self._observation == "image":
-            return scenes.to_images(self._spec, maps, vec)
-        return {"map": maps, "vec": vec}
-
-    def _row(self, shown, row: int):
-        if self._observation == "image":
-            return shown[row]
-        return {key: value[row] for key, value in shown.items()}
+    def _show(self, arrays):
+        return scenes.show(self.native, self._observation, arrays)
 
 
 class MapExtractor(BaseFeaturesExtractor):

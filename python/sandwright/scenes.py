@@ -88,6 +88,21 @@ def observation_space(native: NativeEnv, observation: str) -> spaces.Space:
     )
 
 
+def show(native: NativeEnv, observation: str, arrays: tuple[np.ndarray, np.ndarray]):
+    """What the native arrays (map, vec) of all rows are in the observation space."""
+    maps, vec = arrays
+    if observation == "image":
+        return to_images(native.spec(), maps, vec)
+    return {"map": maps, "vec": vec}
+
+
+def row_of(shown, row: int):
+    """One row of what `show` gave."""
+    if isinstance(shown, dict):
+        return {key: value[row] for key, value in shown.items()}
+    return shown[row]
+
+
 def to_images(spec: dict[str, Any], maps: np.ndarray, vec: np.ndarray) -> np.ndarray:
     """uint8 [N, rows, columns, 4] of IMAGE_CHANNELS; what lies beyond a scale is black or white."""
     channel = {name: i for i, name in enumerate(spec["channels"])}

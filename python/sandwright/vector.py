@@ -63,7 +63,6 @@ class ShapeVectorEnv(VectorEnv):
         )
         self.num_envs = num_envs
         self._observation = observation
-        self._spec = self.native.spec()
         self.single_action_space = scenes.action_space(self.native)
         self.single_observation_space = scenes.observation_space(self.native, observation)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -152,19 +151,12 @@ class ShapeVectorEnv(VectorEnv):
         done[ended] = True
         observations = np.full(self.num_envs, None, object)
         for row in ended:
-            observations[row] = (
-                final[row]
-                if self._observation == "image"
-                else {key: value[row] for key, value in final.items()}
-            )
+            observations[row] = scenes.row_of(final, row)
         infos["final_obs"], infos["_final_obs"] = observations, done
         infos["final_info"] = {
             key: value for key, value in infos.items() if key not in ("final_obs", "_final_obs")
         }
         infos["_final_info"] = done.copy()
 
-    def _show(self, shown):
-        maps, vec = shown
-        if self._observation == "image":
-            return scenes.to_images(self._spec, maps, vec)
-        return {"map": maps, "vec": vec}
+    def _show(self, arrays):
+        return scenes.show(self.native, self._observation, arrays)
