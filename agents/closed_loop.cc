@@ -44,7 +44,8 @@ ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate&
                         .region = job.region,
                         .strokes_used = static_cast<int>(run.strokes.size()),
                         .max_strokes = job.max_strokes,
-                        .rejected_in_a_row = rejected_in_a_row};
+                        .rejected_in_a_row = rejected_in_a_row,
+                        .gate = &gate};
     const Action action = agent.Act({&view, 1}, {&stream, 1}).front();
     step.stroke = DecodeAction(action, sensed, job.region, model.blade(), job.speed_mps);
     step.choose_ms = Lap_ms(clock);

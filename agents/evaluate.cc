@@ -89,7 +89,7 @@ Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& confi
     if (running.empty() || result.stopped) break;
     std::vector<TaskView> views;
     std::vector<RandomStream> drawing;
-    for (size_t i : running) views.push_back(View(episodes[i])), drawing.push_back(streams[i]);
+    for (size_t i : running) views.push_back(View(episodes[i], world.gate)), drawing.push_back(streams[i]);
     std::vector<Action> chosen, actions(episodes.size());
     result.agent_s += SecondsOf([&] { chosen = agent.Act(views, drawing); });
     for (size_t k = 0; k < running.size(); ++k) {

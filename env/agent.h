@@ -13,6 +13,8 @@
 
 namespace sandwright {
 
+class SafetyGate;
+
 // All that an agent may know: sensed heights, never the world's true state.
 struct TaskView {
   const HeightMap& sensed;
@@ -20,6 +22,7 @@ struct TaskView {
   Region region;
   int strokes_used = 0, max_strokes = 0;
   int rejected_in_a_row = 0;  // strokes that the gate refused since the last accepted one
+  const SafetyGate* gate = nullptr;  // of the arm, where there is one
 };
 
 class Agent {

@@ -13,11 +13,18 @@ namespace {
 
 constexpr double kChanged_m = 0.002;  // a cell that changed by more counts as changed
 
-SandState Sense(const SandState& sand, double noise_m, RandomStream& stream) {
-  if (noise_m == 0) return sand;
-  HeightMap sensed = sand.map();
-  for (float& h : sensed.height_m) h += static_cast<float>(noise_m * stream.Normal());
-  return SandState(std::move(sensed));
+SandState Look(const SandState& sand, const SensorConfig& sensor, RandomStream& stream) {
+  return sensor.perfect() ? sand : SandState(Sense(sand.map(), sensor, stream));
+}
+
+// The stroke that the blade makes where `stroke` is asked for.
+Stroke Track(const Stroke& stroke, double error_m, RandomStream& stream) {
+  if (error_m == 0) return stroke;
+  Eigen::Vector3d off;
+  for (double& along : off) along = error_m * stream.Normal();
+  Stroke tracked = stroke;
+  for (Eigen::Vector3d& point : tracked.control_points_m) point += off;
+  return tracked;
 }
 
 // A gate for another blade or box would judge strokes that are not the ones executed.
@@ -78,7 +85,7 @@ void RewardAndSense(const EpisodeConfig& config, SandState after, EpisodeState& 
     ++episode.rejected_in_a_row;
     ++episode.rejected_strokes;
   }
-  episode.sensed = Sense(episode.sand, config.sensor_noise_m, episode.noise);
+  episode.sensed = Look(episode.sand, config.sensor, episode.noise);
   episode.episode_return += result.reward.total();
   episode.goal_error_m.push_back(GoalError(episode.sand.map(), episode.task->goal));
   EndIfDue(config, episode);
@@ -113,7 +120,7 @@ EpisodeState StartEpisode(const SandModel& model, std::shared_ptr<const Task> ta
                           RandomStream noise, int budget_used) {
   SAND_CHECK(budget_used >= 0 && budget_used < task->max_strokes, budget_used, task->max_strokes);
   const SandState sand = model.Start(task->terrain, RandomStream(noise).Next64());
-  SandState sensed = Sense(sand, config.sensor_noise_m, noise);
+  SandState sensed = Look(sand, config.sensor, noise);
   EpisodeState episode{.task = task,
                        .region = RegionOf(*task, config),
                        .sand = sand,
@@ -124,13 +131,14 @@ EpisodeState StartEpisode(const SandModel& model, std::shared_ptr<const Task> ta
   return episode;
 }
 
-TaskView View(const EpisodeState& episode) {
+TaskView View(const EpisodeState& episode, const SafetyGate* gate) {
   return {.sensed = episode.sensed.map(),
           .goal = episode.task->goal,
           .region = episode.region,
           .strokes_used = episode.budget_used,
           .max_strokes = episode.task->max_strokes,
-          .rejected_in_a_row = episode.rejected_in_a_row};
+          .rejected_in_a_row = episode.rejected_in_a_row,
+          .gate = gate};
 }
 
 std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world,
@@ -153,7 +161,8 @@ std::vector<std::optional<StrokeResult>> StepEpisodes(const World& world,
     if (!results[i] || !results[i]->accepted()) continue;
     accepted.push_back(i);
     states.push_back(episodes[i].sand);
-    strokes.push_back(results[i]->stroke);
+    strokes.push_back(
+        Track(results[i]->stroke, config.tracking_error_m, episodes[i].noise));
   }
   const std::vector<Outcome> outcomes = world.sand.Apply(states, strokes);
   std::vector<SandState> after;

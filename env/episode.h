@@ -14,6 +14,7 @@
 #include "env/agent.h"
 #include "env/reward.h"
 #include "env/sand_model.h"
+#include "env/sensor.h"
 
 namespace sandwright {
 
@@ -31,9 +32,10 @@ struct EpisodeConfig {
   double region_width_m = 0, region_depth_m = 0;
   double speed_mps = 0.1;
   double success_error_m = 0.002;
-  double sensor_noise_m = 0;
+  double tracking_error_m = 0;
   int64_t max_rejected_in_a_row = 3;
   int64_t truncate_after_strokes = 0;
+  SensorConfig sensor = {};
   RewardConfig reward = {};
 
   void Fields(FieldList& f) {
@@ -43,12 +45,13 @@ struct EpisodeConfig {
           5);
     f.Add("speed_mps", speed_mps, "speed of the blade [m/s]", 0.005, 1);
     f.Add("success_error_m", success_error_m, "goal error at which a task is done [m]", 0, 0.1);
-    f.Add("sensor_noise_m", sensor_noise_m, "sd of a sensed height, drawn anew each stroke [m]", 0,
-          0.05);
+    f.Add("tracking_error_m", tracking_error_m,
+          "sd of how far an executed stroke lies off its command along x, y and z [m]", 0, 0.05);
     f.Add("max_rejected_in_a_row", max_rejected_in_a_row, "rejected strokes in a row that end it",
           1, 1000);
     f.Add("truncate_after_strokes", truncate_after_strokes,
           "limit from outside the task [strokes]; 0: none", 0, 100000);
+    f.Section("sensor", sensor);
     f.Section("reward", reward);
   }
 };
@@ -58,8 +61,8 @@ struct EpisodeState {
   std::shared_ptr<const Task> task;
   Region region;
   SandState sand;    // the truth
-  SandState sensed;  // what an agent sees: the truth plus sensor noise
-  RandomStream noise;
+  SandState sensed;  // what an agent sees of it
+  RandomStream noise;  // of sensor and arm
   int budget_used = 0;  // of task->max_strokes; counts rejected strokes
   int rejected_in_a_row = 0;
   int rejected_strokes = 0;
@@ -91,9 +94,9 @@ EpisodeState StartEpisode(const SandModel& model, std::shared_ptr<const Task> ta
                           RandomStream noise, int budget_used = 0);
 
 // Points into `episode`.
-TaskView View(const EpisodeState& episode);
+TaskView View(const EpisodeState& episode, const SafetyGate* gate = nullptr);
 
-// One stroke of each episode: decode, gate, sand, sense, reward. Episodes that have ended are left
+// One stroke of each episode: decode, gate, arm, sand, sense, reward. Episodes that have ended are left
 // alone and give no result. Terminated: success, budget used up, or too many rejected strokes in a
 // row; truncated: only EpisodeConfig::truncate_after_strokes. A rejected stroke uses up budget and
 // moves no sand. Throws Error before anything changes where an action is not in [-1, 1], or where

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "data/task.h"
+#include "robot_model/safety_gate.h"
 
 namespace sandwright {
 namespace {
@@ -75,13 +76,32 @@ void Blur(const float* in, float* out, int rows, int columns, double sd_rows, do
   along(half.data(), out, columns, 1, rows, columns, kernel(sd_rows));
 }
 
+void EncodeReach(const TaskView& view, int rows, int columns, float* reach) {
+  const Region& region = view.region;
+  for (int row = 0; row < rows; ++row) {
+    const double y = region.y_m + (row + 0.5) * region.depth_m / rows;
+    for (int column = 0; column < columns; ++column, ++reach) {
+      *reach = ReachAt(view, region.x_m + (column + 0.5) * region.width_m / columns, y);
+    }
+  }
+}
+
 }  // namespace
 
 ObservationSpec SpecOf(const ObservationConfig& config) {
-  return {.channels = {"height", "goal_difference", "goal_difference_coarse", "mask", "in_box"},
+  ObservationSpec spec{.channels = {"height", "goal_difference", "goal_difference_coarse", "mask", "in_box"},
           .rows = static_cast<int>(config.rows),
           .columns = static_cast<int>(config.columns),
           .numbers = {"budget_left", "budget_used", "rejected", "goal_error"}};
+  if (config.reach) spec.channels.push_back("reach");
+  return spec;
+}
+
+float ReachAt(const TaskView& view, double x_m, double y_m) {
+  if (view.gate) return view.gate->reach().At(x_m, y_m);
+  const bool inside =
+      x_m >= 0 && x_m < view.sensed.width_m() && y_m >= 0 && y_m < view.sensed.depth_m();
+  return inside ? 1.0f : 0.0f;
 }
 
 void Encode(const TaskView& view, const ObservationConfig& config, float* map_chw, float* vec) {
@@ -129,6 +149,8 @@ void Encode(const TaskView& view, const ObservationConfig& config, float* map_ch
     height[i] = (height[i] - mean * in_box[i]) / static_cast<float>(kHeightScale_m);
   Blur(difference, coarse, rows, columns, config.blur_m * rows / region.depth_m,
        config.blur_m * columns / region.width_m);
+
+  if (config.reach) EncodeReach(view, rows, columns, map_chw + 5 * cells);
 
   vec[0] = static_cast<float>((view.max_strokes - view.strokes_used) / kBudgetScale);
   vec[1] = static_cast<float>(view.strokes_used) / static_cast<float>(view.max_strokes);

@@ -28,10 +28,14 @@ class SandState {
     map_ = std::make_shared<const HeightMap>(std::move(map));
     grains_ = std::move(grains);
   }
+  // Which of the models of a MixedSand the bed belongs to.
+  size_t variant() const { return variant_; }
+  void set_variant(size_t variant) { variant_ = variant; }
 
  private:
   std::shared_ptr<const HeightMap> map_;
   std::shared_ptr<const GrainBed> grains_;
+  size_t variant_ = 0;
 };
 
 // What one stroke did to one state.

@@ -5,16 +5,18 @@
 #include <string>
 
 #include "env/dem_config.h"
-#include "env/heightfield.h"
+#include "env/mixed_sand.h"
 
 namespace sandwright {
 
 struct SandModelConfig {
   HeightfieldConfig heightfield;
+  RandomSandConfig random;
   DemConfig dem;
 
   void Fields(FieldList& f) {
     f.Section("heightfield", heightfield);
+    f.Section("random", random);
     f.Section("dem", dem);
   }
 };
@@ -22,7 +24,8 @@ struct SandModelConfig {
 // `heightfield`, `none` (nothing changes; the heightfield's blade), `default` (the shipped
 // surrogate), `dem` (grains; needs LAMMPS when it runs) or the .safetensors file of a surrogate. Such
 // a file brings its own heightfield and blade and takes only the threads of `config.heightfield`.
-// Throws Error for any other name.
+// Several of them, separated by commas, are one MixedSand; `heightfield` is one of its variants where
+// `config.random` asks for them. Throws Error for any other name.
 std::unique_ptr<SandModel> SandModelByName(const std::string& name_or_file,
                                            const SandModelConfig& config);
 

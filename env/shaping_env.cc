@@ -44,7 +44,7 @@ EpisodeState ShapingEnv::NewEpisode(State::Source& source) const {
 }
 
 void ShapingEnv::EncodeInto(int index, ObservationBatch& batch) const {
-  Encode(View(state_.episodes[static_cast<size_t>(index)]), config_.observation,
+  Encode(View(state_.episodes[static_cast<size_t>(index)], world_.gate), config_.observation,
          batch.map.data() + static_cast<std::ptrdiff_t>(index) * spec_.map_size(),
          batch.vec.data() + static_cast<std::ptrdiff_t>(index) * spec_.vec_size());
 }

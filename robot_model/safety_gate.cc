@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 
 #include "data/base/error.h"
@@ -69,6 +70,8 @@ struct SafetyGate::Impl {
   BladeKinematics kinematics;
   ClearanceModel clearance;
   GateLimits fine, coarse;
+  mutable std::once_flag reach_once;
+  mutable ReachMap reach;
 };
 
 void SafetyGate::Impl::CheckTerrain(const HeightMap& terrain,
@@ -341,6 +344,11 @@ SafetyGate::SafetyGate(const Workcell& workcell) {
 }
 
 SafetyGate::~SafetyGate() = default;
+
+const ReachMap& SafetyGate::reach() const {
+  std::call_once(impl_->reach_once, [this] { impl_->reach = MeasureReach(*this); });
+  return impl_->reach;
+}
 
 const Workcell& SafetyGate::workcell() const { return impl_->cell; }
 const BladeKinematics& SafetyGate::kinematics() const { return impl_->kinematics; }

@@ -9,6 +9,7 @@
 
 #include "data/height_map.h"
 #include "data/stroke.h"
+#include "robot_model/reach_map.h"
 #include "robot_model/stroke_motion.h"
 #include "robot_model/workcell.h"
 
@@ -58,6 +59,9 @@ class SafetyGate {
   // The straight joint move from `from` to `to` above the terrain, with the same limits.
   TransferVerdict CheckTransfer(const JointAngles& from, const JointAngles& to,
                                 const HeightMap& terrain) const;
+
+  // Where strokes can start: measured when first asked for (a second or two for a large box), then kept.
+  const ReachMap& reach() const;
 
   const Workcell& workcell() const;
   const BladeKinematics& kinematics() const;

@@ -152,7 +152,7 @@ TEST(StepEpisodes, GateMustBeOfTheSameBladeAndBox) {
 
 TEST(StepEpisodes, SensorNoiseIsSeenButIsNotTheTruth) {
   const StillSand still;
-  const EpisodeConfig config{.sensor_noise_m = 0.001};
+  const EpisodeConfig config{.sensor = {.noise_m = 0.001}};
   auto episodes = Start(MakeTask(), config);
   const auto spread_mm = [&] {
     const HeightMap& sensed = View(episodes[0]).sensed;
@@ -169,6 +169,43 @@ TEST(StepEpisodes, SensorNoiseIsSeenButIsNotTheTruth) {
   EXPECT_NEAR(episodes[0].goal_error_m.back(), 0.01, 1e-7);
   auto again = Start(MakeTask(), config);
   EXPECT_EQ(View(again[0]).sensed.height_m, first);
+}
+
+// Remembers the last path that it was given.
+class RecordingSand final : public SandModel {
+ public:
+  std::string name() const override { return "recording"; }
+  const Blade& blade() const override { return blade_; }
+  const ToolPath& path() const { return path_; }
+
+ protected:
+  std::vector<Outcome> ApplyChecked(std::span<SandState> states,
+                                    std::span<const ToolPath> paths) const override {
+    path_ = paths[0];
+    return std::vector<Outcome>(states.size());
+  }
+
+ private:
+  Blade blade_;
+  mutable ToolPath path_;
+};
+
+TEST(StepEpisodes, ATrackingErrorMovesTheExecutedStrokeAlone) {
+  const RecordingSand sand;
+  const EpisodeConfig config{.tracking_error_m = 0.002};
+  double square_m2 = 0;
+  constexpr int kStrokes = 60;
+  auto episodes = Start(MakeTask(kStrokes + 1), config);
+  for (int k = 0; k < kStrokes; ++k) {
+    const auto result = StepEpisodes({.sand = sand}, config, episodes, kAction);
+    const Eigen::Vector3d asked = result[0]->stroke.control_points_m.front();
+    const BladePose& done = sand.path().front();
+    square_m2 += std::pow(done.x_m - asked.x(), 2) + std::pow(done.y_m - asked.y(), 2) +
+                 std::pow(done.z_m - asked.z(), 2);
+    EXPECT_NEAR(asked.x(), 0.1, 1e-9);
+  }
+  // sd of a mean square of 180 draws: 10 %.
+  EXPECT_NEAR(std::sqrt(square_m2 / (3 * kStrokes)), 0.002, 0.0003);
 }
 
 TEST(StartEpisode, MayStartWithPartOfTheBudgetGone) {

@@ -233,7 +233,8 @@ TEST(ShapingEnv, ARowWithASeedOfItsOwnIsAnEnvironmentAlone) {
 TEST(ShapingEnv, ARestoredStateGoesOnBitForBit) {
   const Heightfield sand;
   ShapingConfig config = SmallConfig();
-  config.episode.sensor_noise_m = 0.001;
+  config.episode.sensor = {.noise_m = 0.001, .registration_m = 0.002, .hole_share = 0.02};
+  config.episode.tracking_error_m = 0.001;
   ShapingEnv env(config, {.sand = sand}, TasksFrom(SmallTasks()));
   ShapingEnv other(config, {.sand = sand}, TasksFrom(SmallTasks()));
   RandomStream stream(6);
