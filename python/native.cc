@@ -9,6 +9,7 @@
 
 #include "data/picture.h"
 #include "data/task.h"
+#include "env/cell_action.h"
 #include "env/load_gate.h"
 #include "env/reference/reference_task.h"
 #include "env/sand_model_by_name.h"
@@ -25,6 +26,7 @@ struct GymConfig {
   int64_t threads = 1;
   ShapingConfig env = {.num_envs = 1, .random_phase = false};
   TaskConfig task;
+  CellActionConfig cells;
   SandModelConfig sand;
 
   void Fields(FieldList& f) {
@@ -35,6 +37,7 @@ struct GymConfig {
     f.Add("threads", threads, "threads of a batch; results do not depend on it", 1, 1024);
     env.Fields(f);
     f.Section("task", task);
+    f.Section("cells", cells);
     sand.Fields(f);
   }
 };
@@ -92,6 +95,8 @@ class NativeEnv {
     Strings actions;
     for (const ActionEntry& entry : kActionSpec) actions.emplace_back(entry.name);
     dict["actions"] = actions;
+    const CellAction sizes = CellActionSizes(config_.cells);
+    dict["cell_actions"] = std::vector<int64_t>(sizes.begin(), sizes.end());
     return dict;
   }
 
@@ -118,31 +123,31 @@ class NativeEnv {
   }
 
   nb::dict Step(const nb::ndarray<const float, nb::ndim<2>, nb::c_contig>& actions) {
-    if (actions.shape(0) != num_envs() || actions.shape(1) != kActionSize)
-      throw Error("step: actions of shape [" + std::to_string(actions.shape(0)) + ", " +
-                  std::to_string(actions.shape(1)) + "]; expected [" + std::to_string(num_envs()) +
-                  ", " + std::to_string(kActionSize) + "]");
-    StepBatch batch;
-    {
-      nb::gil_scoped_release release;
-      batch = env_->Step(std::span(actions.data(), actions.size()));
+    CheckShape(actions, kActionSize);
+    return Step(std::span(actions.data(), actions.size()));
+  }
+
+  nb::dict StepCells(const nb::ndarray<const int64_t, nb::ndim<2>, nb::c_contig>& choices) {
+    CheckShape(choices, kCellActionSize);
+    std::vector<float> actions;
+    for (size_t i = 0; i < num_envs(); ++i) {
+      CellAction choice;
+      std::copy_n(choices.data() + i * kCellActionSize, kCellActionSize, choice.begin());
+      const Action action = ActionOf(choice, config_.cells);
+      actions.insert(actions.end(), action.begin(), action.end());
     }
-    nb::dict dict;
-    dict["observation"] = Arrays(std::move(batch.observation));
-    dict["final_observation"] = Arrays(std::move(batch.final_observation));
-    const size_t n = num_envs();
-    nb::list finished;
-    for (const EpisodeSummary& summary : batch.finished) {
-      nb::dict metrics;
-      for (const auto& [name, value] : summary.metrics) metrics[name.c_str()] = value;
-      finished.append(nb::make_tuple(summary.episode_return, summary.length, metrics));
+    return Step(actions);
+  }
+
+  // [N, start cells] 1 where a stroke can start.
+  nb::ndarray<nb::numpy, uint8_t> StartMasks() const {
+    std::vector<uint8_t> masks;
+    for (const EpisodeState& episode : env_->episodes()) {
+      const std::vector<uint8_t> mask = StartMask(View(episode, gate_.get()), config_.cells);
+      masks.insert(masks.end(), mask.begin(), mask.end());
     }
-    dict["finished"] = finished;
-    AddResults(dict);
-    dict["reward"] = ToNumpy(std::move(batch.reward), {n});
-    dict["terminated"] = ToNumpy(std::move(batch.terminated), {n});
-    dict["truncated"] = ToNumpy(std::move(batch.truncated), {n});
-    return dict;
+    const size_t cells = masks.size() / num_envs();
+    return ToNumpy(std::move(masks), {num_envs(), cells});
   }
 
   ShapingEnv::State Save() const { return env_->state(); }
@@ -191,6 +196,38 @@ class NativeEnv {
   const EpisodeState& Episode(size_t row) const {
     if (row >= num_envs()) throw Error("no environment " + std::to_string(row));
     return env_->episodes()[row];
+  }
+
+  template <class Array>
+  void CheckShape(const Array& actions, size_t size) const {
+    if (actions.shape(0) != num_envs() || actions.shape(1) != size)
+      throw Error("step: actions of shape [" + std::to_string(actions.shape(0)) + ", " +
+                  std::to_string(actions.shape(1)) + "]; expected [" + std::to_string(num_envs()) +
+                  ", " + std::to_string(size) + "]");
+  }
+
+  nb::dict Step(std::span<const float> actions) {
+    StepBatch batch;
+    {
+      nb::gil_scoped_release release;
+      batch = env_->Step(actions);
+    }
+    nb::dict dict;
+    dict["observation"] = Arrays(std::move(batch.observation));
+    dict["final_observation"] = Arrays(std::move(batch.final_observation));
+    const size_t n = num_envs();
+    nb::list finished;
+    for (const EpisodeSummary& summary : batch.finished) {
+      nb::dict metrics;
+      for (const auto& [name, value] : summary.metrics) metrics[name.c_str()] = value;
+      finished.append(nb::make_tuple(summary.episode_return, summary.length, metrics));
+    }
+    dict["finished"] = finished;
+    AddResults(dict);
+    dict["reward"] = ToNumpy(std::move(batch.reward), {n});
+    dict["terminated"] = ToNumpy(std::move(batch.terminated), {n});
+    dict["truncated"] = ToNumpy(std::move(batch.truncated), {n});
+    return dict;
   }
 
   nb::tuple Arrays(ObservationBatch batch) const {
@@ -290,7 +327,11 @@ NB_MODULE(_native, module) {
       .def("spec", &NativeEnv::Spec)
       .def("reset", &NativeEnv::Reset, nb::arg("seed"))
       .def("reset_rows", &NativeEnv::ResetRows, nb::arg("chosen"), nb::arg("seeds"))
-      .def("step", &NativeEnv::Step, nb::arg("actions"))
+      .def("step",
+           nb::overload_cast<const nb::ndarray<const float, nb::ndim<2>, nb::c_contig>&>(&NativeEnv::Step),
+           nb::arg("actions"))
+      .def("step_cells", &NativeEnv::StepCells, nb::arg("choices"))
+      .def("start_masks", &NativeEnv::StartMasks)
       .def("save", &NativeEnv::Save)
       .def("restore", &NativeEnv::Restore, nb::arg("state"))
       .def("maps", &NativeEnv::Maps, nb::arg("row"))

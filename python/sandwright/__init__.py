@@ -15,6 +15,7 @@ _IDS = {
     "sandwright/Shape-v0": {"scene": "box"},
     "sandwright/ShapeSmall-v0": {"scene": "small"},
     "sandwright/ShapeImage-v0": {"scene": "small", "observation": "image"},
+    "sandwright/ShapeCells-v0": {"scene": "small", "action": "cells"},
 }
 
 

@@ -20,47 +20,20 @@ RESULT_KEYS = (
 
 
 class ShapeEnv(gymnasium.Env):
-    """Seven numbers in [-1, 1] are a stroke of the blade; the goal error's drop is its reward.
-
-    scene: "small" (300 x 300 mm) or "box" (1200 x 800 mm, goals of 300 x 300 mm in it).
-    world: "default" (the shipped surrogate), "heightfield", "dem", "none" or a .safetensors file.
-    workcell: whose arm's gate refuses strokes; None: the scene's, "": no arm.
-    tasks: a task file to draw from; "": tasks without end.
-    observation: "maps", Dict(map float32 [5, rows, columns], vec float32 [4]), or "image", uint8.
-    config: further keys, nested by section (docs/python.md).
-    ValueError names a wrong argument or key, its value and what is allowed.
-    """
+    """One stroke a step; the goal error's drop is its reward. The arguments are those of scenes.Beds."""
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 4}
 
     def __init__(
-        self,
-        scene: str = "small",
-        *,
-        world: str = "default",
-        workcell: str | None = None,
-        tasks: str = "",
-        observation: str = "maps",
-        render_mode: str | None = None,
-        config: dict[str, Any] | None = None,
+        self, scene: str = "small", *, render_mode: str | None = None, **arguments: Any
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f"render_mode {render_mode!r}; allowed: rgb_array, human")
         self.render_mode = render_mode
-        self.native = scenes.make_native(
-            scene,
-            num_envs=1,
-            autoreset="disabled",
-            threads=1,
-            observation=observation,
-            world=world,
-            workcell=workcell,
-            tasks=tasks,
-            config=config,
-        )
-        self._observation = observation
-        self.action_space = scenes.action_space(self.native)
-        self.observation_space = scenes.observation_space(self.native, observation)
+        self.beds = scenes.Beds(scene, num_envs=1, autoreset="disabled", **arguments)
+        self.native = self.beds.native
+        self.action_space = self.beds.action_space
+        self.observation_space = self.beds.observation_space
         self._started = False
         self._window = None
 
@@ -79,7 +52,7 @@ class ShapeEnv(gymnasium.Env):
     def step(self, action: np.ndarray):
         if not self._started:
             raise gymnasium.error.ResetNeeded("step: call reset first")
-        step = self.native.step(np.asarray(action, np.float32).reshape(1, -1))
+        step = self.beds.step(np.reshape(action, (1, -1)))
         info = {key: float(step[key][0]) for key in RESULT_KEYS}
         info["accepted"] = bool(step["accepted"][0])
         info["rejected_for"] = step["rejected_for"][0] or []
@@ -94,6 +67,10 @@ class ShapeEnv(gymnasium.Env):
             bool(step["truncated"][0]),
             info,
         )
+
+    def action_masks(self) -> np.ndarray:
+        """bool [sum of the choices], of action="cells"; as MaskablePPO of sb3-contrib asks for it."""
+        return self.beds.action_masks()[0]
 
     def render(self) -> np.ndarray | None:
         """Left the sand with the last stroke; right what is too high (red) and too low (blue)."""
@@ -123,7 +100,7 @@ class ShapeEnv(gymnasium.Env):
         return self._show(self.native.restore(state))
 
     def _show(self, arrays):
-        return scenes.row_of(scenes.show(self.native, self._observation, arrays), 0)
+        return scenes.row_of(self.beds.show(arrays), 0)
 
     def _draw(self, picture: np.ndarray) -> None:
         try:

@@ -19,43 +19,26 @@ from sandwright.env import RESULT_KEYS
 class VecEnv(BaseVecEnv):
     """N environments that start anew in the step that ends them, as Stable-Baselines3 wants them.
 
-    The arguments of sandwright.ShapeEnv. Infos carry "episode" (as Monitor does), "metrics",
+    The arguments of scenes.Beds. Infos carry "episode" (as Monitor does), "metrics",
     "terminal_observation" and "TimeLimit.truncated" where an episode ended.
     """
 
     def __init__(
-        self,
-        num_envs: int = 8,
-        scene: str = "small",
-        *,
-        threads: int | None = None,
-        world: str = "default",
-        workcell: str | None = None,
-        tasks: str = "",
-        observation: str = "maps",
-        config: dict[str, Any] | None = None,
+        self, num_envs: int = 8, scene: str = "small", *, threads: int | None = None, **arguments: Any
     ) -> None:
-        self.native = scenes.make_native(
+        self.beds = scenes.Beds(
             scene,
             num_envs=num_envs,
             autoreset="same_step",
             threads=threads or os.cpu_count() or 1,
-            observation=observation,
-            world=world,
-            workcell=workcell,
-            tasks=tasks,
-            config=config,
+            **arguments,
         )
+        self.native = self.beds.native
         self.render_mode = "rgb_array"
-        self._observation = observation
-        self._actions = np.zeros((num_envs, len(self.native.spec()["actions"])), np.float32)
+        self._actions = np.zeros(0)
         self._start_s = time.time()
         self._started = False
-        super().__init__(
-            num_envs,
-            scenes.observation_space(self.native, observation),
-            scenes.action_space(self.native),
-        )
+        super().__init__(num_envs, self.beds.observation_space, self.beds.action_space)
 
     def reset(self):
         seeds = [
@@ -72,10 +55,10 @@ class VecEnv(BaseVecEnv):
         return shown
 
     def step_async(self, actions: np.ndarray) -> None:
-        self._actions = np.ascontiguousarray(actions, np.float32)
+        self._actions = actions
 
     def step_wait(self):
-        step = self.native.step(self._actions)
+        step = self.beds.step(self._actions)
         terminated, truncated = step["terminated"].view(bool), step["truncated"].view(bool)
         done = terminated | truncated
         infos: list[dict[str, Any]] = [
@@ -106,20 +89,25 @@ class VecEnv(BaseVecEnv):
         return [self.native.render(row, 240) for row in range(self.num_envs)]
 
     def get_attr(self, attr_name: str, indices=None) -> list[Any]:
-        return [getattr(self, attr_name) for _ in self._get_indices(indices)]
+        # How sb3-contrib looks for masks: each environment would have the method.
+        owner = self.beds if attr_name == "action_masks" else self
+        return [getattr(owner, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices=None) -> None:
         raise NotImplementedError("the environments of a native batch have no attributes of their own")
 
     def env_method(self, method_name: str, *arguments, indices=None, **named) -> list[Any]:
-        raise NotImplementedError("the environments of a native batch have no methods of their own")
+        if method_name != "action_masks":
+            raise NotImplementedError(f"{method_name}: a native batch has action_masks alone")
+        masks = self.beds.action_masks()
+        return [masks[row] for row in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class, indices=None) -> list[bool]:
         # VecEnv.step_wait writes what Monitor would.
         return [wrapper_class.__name__ == "Monitor" for _ in self._get_indices(indices)]
 
     def _show(self, arrays):
-        return scenes.show(self.native, self._observation, arrays)
+        return self.beds.show(arrays)
 
 
 class MapExtractor(BaseFeaturesExtractor):

@@ -1,4 +1,4 @@
-"""Scenes by name, and the spaces that follow from the native specification."""
+"""Scenes by name, and native beds of sand with the spaces that follow from their specification."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "small": {
         "workcell": "workcell_small.yaml",
         "task": {"width_m": 0.3, "depth_m": 0.3, "max_strokes": 10},
+        "observation": {"reach": True},
     },
     "box": {
         "workcell": "workcell.yaml",
@@ -26,9 +27,11 @@ SCENES: dict[str, dict[str, Any]] = {
             "max_strokes": 12,
         },
         "episode": {"region_width_m": 0.3, "region_depth_m": 0.3},
+        "observation": {"reach": True},
     },
 }
 OBSERVATIONS = ("maps", "image")
+ACTIONS = ("box", "cells")
 # What becomes black and white in an image: half ranges of the maps' own scales (50 mm and 20 mm).
 IMAGE_CHANNELS = ("height", "goal_difference", "mask", "budget_left")
 IMAGE_SIDE = 48
@@ -43,61 +46,97 @@ def merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
     return merged
 
 
-def make_native(
-    scene: str,
-    *,
-    num_envs: int,
-    autoreset: str,
-    threads: int,
-    observation: str,
-    world: str,
-    workcell: str | None,
-    tasks: str,
-    config: dict[str, Any] | None,
-) -> NativeEnv:
-    """Raises ValueError naming the scene, key or file, the value and what is allowed."""
-    if scene not in SCENES:
-        raise ValueError(f"scene {scene!r}; allowed: {', '.join(SCENES)}")
-    if observation not in OBSERVATIONS:
-        raise ValueError(f"observation {observation!r}; allowed: {', '.join(OBSERVATIONS)}")
-    keys = merge(SCENES[scene], {"world": world, "num_envs": num_envs, "threads": threads})
-    if workcell is not None:
-        keys["workcell"] = workcell
-    if tasks:
-        keys["tasks"] = str(tasks)
-    if observation == "image":
-        keys["observation"] = {"rows": IMAGE_SIDE, "columns": IMAGE_SIDE}
-    return NativeEnv(json.dumps(merge(keys, config or {})), autoreset)
+class Beds:
+    """N native beds of sand, and how a library of agents sees them.
 
+    scene: "small" (300 x 300 mm) or "box" (1200 x 800 mm, goals of 300 x 300 mm in it).
+    world: "default" (the shipped surrogate), "heightfield", "dem", "none", a .safetensors file, or
+        several of these separated by commas: each bed is one of them.
+    workcell: whose arm's gate refuses strokes; None: the scene's, "": no arm.
+    tasks: a task file to draw from; "": tasks without end.
+    observation: "maps", Dict(map float32 [6, rows, columns], vec float32 [4]), or "image", uint8.
+    action: "box", seven numbers in [-1, 1], or "cells", MultiDiscrete with `action_masks`.
+    config: further keys, nested by section (docs/python.md).
+    ValueError names a wrong argument or key, its value and what is allowed.
+    """
 
-def action_space(native: NativeEnv) -> spaces.Box:
-    return spaces.Box(-1.0, 1.0, (len(native.spec()["actions"]),), np.float32)
+    def __init__(
+        self,
+        scene: str = "small",
+        *,
+        num_envs: int,
+        autoreset: str,
+        threads: int = 1,
+        world: str = "default",
+        workcell: str | None = None,
+        tasks: str = "",
+        observation: str = "maps",
+        action: str = "box",
+        config: dict[str, Any] | None = None,
+    ) -> None:
+        for name, value, allowed in (
+            ("scene", scene, SCENES),
+            ("observation", observation, OBSERVATIONS),
+            ("action", action, ACTIONS),
+        ):
+            if value not in allowed:
+                raise ValueError(f"{name} {value!r}; allowed: {', '.join(allowed)}")
+        keys = merge(SCENES[scene], {"world": world, "num_envs": num_envs, "threads": threads})
+        if workcell is not None:
+            keys["workcell"] = workcell
+        if tasks:
+            keys["tasks"] = str(tasks)
+        if observation == "image":
+            keys["observation"] = {"rows": IMAGE_SIDE, "columns": IMAGE_SIDE}
+        self.native = NativeEnv(json.dumps(merge(keys, config or {})), autoreset)
+        self.num_envs = num_envs
+        self._spec = self.native.spec()
+        self._image = observation == "image"
+        self._cells = action == "cells"
 
+    @property
+    def action_space(self) -> spaces.Space:
+        if self._cells:
+            return spaces.MultiDiscrete(self._spec["cell_actions"])
+        return spaces.Box(-1.0, 1.0, (len(self._spec["actions"]),), np.float32)
 
-def observation_space(native: NativeEnv, observation: str) -> spaces.Space:
-    spec = native.spec()
-    if observation == "image":
-        return spaces.Box(0, 255, (spec["rows"], spec["columns"], len(IMAGE_CHANNELS)), np.uint8)
-    shape = (len(spec["channels"]), spec["rows"], spec["columns"])
-    limit = spec["map_limit"]
-    return spaces.Dict(
-        {
-            "map": spaces.Box(-limit, limit, shape, np.float32),
-            "vec": spaces.Box(0.0, spec["vec_high"], (len(spec["numbers"]),), np.float32),
-        }
-    )
+    @property
+    def observation_space(self) -> spaces.Space:
+        spec = self._spec
+        if self._image:
+            shape = (spec["rows"], spec["columns"], len(IMAGE_CHANNELS))
+            return spaces.Box(0, 255, shape, np.uint8)
+        shape = (len(spec["channels"]), spec["rows"], spec["columns"])
+        limit = spec["map_limit"]
+        return spaces.Dict(
+            {
+                "map": spaces.Box(-limit, limit, shape, np.float32),
+                "vec": spaces.Box(0.0, spec["vec_high"], (len(spec["numbers"]),), np.float32),
+            }
+        )
 
+    def step(self, actions: np.ndarray) -> dict[str, Any]:
+        """One stroke of each bed: what the native step gives, by name."""
+        if self._cells:
+            return self.native.step_cells(np.ascontiguousarray(actions, np.int64))
+        return self.native.step(np.ascontiguousarray(actions, np.float32))
 
-def show(native: NativeEnv, observation: str, arrays: tuple[np.ndarray, np.ndarray]):
-    """What the native arrays (map, vec) of all rows are in the observation space."""
-    maps, vec = arrays
-    if observation == "image":
-        return to_images(native.spec(), maps, vec)
-    return {"map": maps, "vec": vec}
+    def action_masks(self) -> np.ndarray:
+        """bool [N, sum of the choices]: where the arm cannot start a stroke is False."""
+        if not self._cells:
+            raise ValueError('action_masks is for action="cells"; this environment has "box"')
+        starts = self.native.start_masks().view(bool)
+        rest = sum(self._spec["cell_actions"][1:])
+        return np.concatenate([starts, np.ones((self.num_envs, rest), bool)], axis=1)
+
+    def show(self, arrays: tuple[np.ndarray, np.ndarray]):
+        """What the native arrays (map, vec) of all rows are in the observation space."""
+        maps, vec = arrays
+        return to_images(self._spec, maps, vec) if self._image else {"map": maps, "vec": vec}
 
 
 def row_of(shown, row: int):
-    """One row of what `show` gave."""
+    """One row of what Beds.show gave."""
     if isinstance(shown, dict):
         return {key: value[row] for key, value in shown.items()}
     return shown[row]

@@ -23,7 +23,7 @@ _AUTORESET = {
 
 
 class ShapeVectorEnv(VectorEnv):
-    """The arguments of ShapeEnv; one call of the sand model a step for all environments.
+    """The arguments of scenes.Beds; one call of the sand model a step for all environments.
 
     Environment i of reset(seed=s) is a ShapeEnv of reset(seed=s + i), whatever num_envs and threads.
     reset(options={"reset_mask": bool [num_envs]}) starts those environments anew and leaves the others.
@@ -38,33 +38,25 @@ class ShapeVectorEnv(VectorEnv):
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         threads: int | None = None,
-        world: str = "default",
-        workcell: str | None = None,
-        tasks: str = "",
-        observation: str = "maps",
         render_mode: str | None = None,
-        config: dict[str, Any] | None = None,
+        **arguments: Any,
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode {render_mode!r}; allowed for many beds: rgb_array")
         self.render_mode = render_mode
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
-        self.native = scenes.make_native(
+        self.beds = scenes.Beds(
             scene,
             num_envs=num_envs,
             autoreset=_AUTORESET[self.autoreset_mode],
             threads=threads or os.cpu_count() or 1,
-            observation=observation,
-            world=world,
-            workcell=workcell,
-            tasks=tasks,
-            config=config,
+            **arguments,
         )
+        self.native = self.beds.native
         self.num_envs = num_envs
-        self._observation = observation
-        self.single_action_space = scenes.action_space(self.native)
-        self.single_observation_space = scenes.observation_space(self.native, observation)
+        self.single_action_space = self.beds.action_space
+        self.single_observation_space = self.beds.observation_space
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._started = False
@@ -83,7 +75,7 @@ class ShapeVectorEnv(VectorEnv):
     def step(self, actions: np.ndarray):
         if not self._started:
             raise gymnasium.error.ResetNeeded("step: call reset first")
-        step = self.native.step(np.ascontiguousarray(actions, np.float32))
+        step = self.beds.step(actions)
         terminated, truncated = step["terminated"].view(bool), step["truncated"].view(bool)
         stepped = step["stepped"].view(bool)
         infos: dict[str, Any] = {}
@@ -102,6 +94,10 @@ class ShapeVectorEnv(VectorEnv):
             truncated,
             infos,
         )
+
+    def action_masks(self) -> np.ndarray:
+        """bool [num_envs, sum of the choices], of action="cells"."""
+        return self.beds.action_masks()
 
     def render(self):
         """One picture an environment."""
@@ -159,4 +155,4 @@ class ShapeVectorEnv(VectorEnv):
         infos["_final_info"] = done.copy()
 
     def _show(self, arrays):
-        return scenes.show(self.native, self._observation, arrays)
+        return self.beds.show(arrays)

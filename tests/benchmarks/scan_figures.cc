@@ -90,6 +90,42 @@ nlohmann::json SimulatedFigures(int seeds) {
   return result;
 }
 
+// What a scan with the camera's true pose leaves on maps of `cell_size_m`: the values of env/sensor.h.
+nlohmann::json SensorFigures(int seeds, bool large_box, double cell_size_m) {
+  double square = 0, beside = 0, shares = 0, means = 0;
+  size_t cells = 0, pairs = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    const auto bed = DrawBed("dunes", large_box, kFirstSeed + static_cast<uint64_t>(seed));
+    const ScanPlace place{.box_size_m = Eigen::Vector2d(bed.sand.width_m(), bed.sand.depth_m()),
+                          .X_BC = bed.X_BC};
+    ScanConfig config;
+    config.cell_size_m = cell_size_m;
+    const HeightMap seen = ScanDepth({&bed.frame, 1}, CameraModel{}, config, place).map;
+    const HeightMap truth = Resample(bed.sand, cell_size_m);
+    std::vector<double> error;
+    for (size_t i = 0; i < seen.size(); ++i) error.push_back(seen.height_m[i] - truth.height_m[i]);
+    const double mean =
+        std::accumulate(error.begin(), error.end(), 0.0) / static_cast<double>(error.size());
+    means += mean * mean;
+    for (size_t i = 0; i < seen.size(); ++i) {
+      square += std::pow(error[i] - mean, 2);
+      if ((i + 1) % static_cast<size_t>(seen.columns) == 0) continue;
+      beside += (error[i] - mean) * (error[i + 1] - mean);
+      ++pairs;
+    }
+    cells += seen.size();
+    shares += static_cast<double>(std::ranges::count(seen.valid, 0)) /
+              static_cast<double>(seen.size());
+  }
+  const double variance = square / static_cast<double>(cells);
+  return {{"box_mm", large_box ? "1200 x 800" : "300 x 300"},
+          {"cell_size_m", cell_size_m},
+          {"noise_m", std::sqrt(variance)},
+          {"correlation_of_neighbours", beside / static_cast<double>(pairs) / variance},
+          {"offset_m", std::sqrt(means / seeds)},
+          {"hole_share", shares / seeds}};
+}
+
 // Distances in plan from the inner corners that the corner tags of the infrared frame show [mm].
 nlohmann::json TagCornerErrors(const ScanResult& scan) {
   const auto feet = TagCorners();
@@ -126,12 +162,16 @@ nlohmann::json RealFigures() {
 }  // namespace
 
 void Main(int seeds, const char* file) {
-  const nlohmann::json result = {{"command", fmt::format("scan_figures {} {}", seeds, file)},
+  nlohmann::json result = {{"command", fmt::format("scan_figures {} {}", seeds, file)},
                                  {"commit", BuildCommit()},
                                  {"machine", MachineDescription()},
                                  {"threads_used", 1},
                                  {"simulated_beds", SimulatedFigures(seeds)},
                                  {"real_frame", RealFigures()}};
+  for (const bool large_box : {true, false}) {
+    for (const double cell_size_m : {0.004, 0.01})
+      result["sensor"].push_back(SensorFigures(seeds, large_box, cell_size_m));
+  }
   WriteFileAtomically(file, result.dump(2) + "\n");
 }
 

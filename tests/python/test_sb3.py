@@ -31,6 +31,16 @@ def test_the_same_seed_gives_the_same_bytes(fast):
     np.testing.assert_array_equal(shown[0], shown[1])
 
 
+def test_masks_are_found_as_sb3_contrib_looks_for_them(fast):
+    envs = VecEnv(2, action="cells", **fast)
+    envs.seed(8)
+    envs.reset()
+    assert envs.has_attr("action_masks")  # is_masking_supported
+    masks = np.stack(envs.env_method("action_masks"))  # get_action_masks
+    assert masks.shape == (2, envs.action_space.nvec.sum())
+    envs.step(np.zeros((2, 6), np.int64))
+
+
 def test_ppo_learns(fast):
     """Random strokes do harm; PPO unlearns that within some thousand of them."""
     torch.set_num_threads(1)  # more of them wait for each other where other work runs

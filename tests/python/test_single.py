@@ -11,7 +11,13 @@ import sandwright
 
 
 @pytest.mark.parametrize(
-    "name", ["sandwright/Shape-v0", "sandwright/ShapeSmall-v0", "sandwright/ShapeImage-v0"]
+    "name",
+    [
+        "sandwright/Shape-v0",
+        "sandwright/ShapeSmall-v0",
+        "sandwright/ShapeImage-v0",
+        "sandwright/ShapeCells-v0",
+    ],
 )
 def test_gymnasiums_check_passes(name, fast):
     env = gymnasium.make(name, render_mode="rgb_array", **fast)
@@ -87,12 +93,33 @@ def test_pictures_show_the_sand_and_what_is_missing(fast):
     assert (before != after).any()
 
 
+def test_cells_are_strokes_that_start_in_their_middle(fast):
+    env = gymnasium.make("sandwright/ShapeCells-v0", **fast).unwrapped
+    env.reset(seed=4)
+    sizes = env.action_space.nvec
+    mask = env.action_masks()
+    assert mask.dtype == bool and mask.shape == (sizes.sum(),)
+    starts = mask[: sizes[0]].reshape(16, 16)
+    assert starts[8, 8] and not starts.all()  # at a wall no heading is left
+    assert mask[sizes[0] :].all()
+    boxes = sandwright.ShapeEnv("small", **fast)
+    boxes.reset(seed=4)
+    cells = env.step(np.array([8 * 16 + 8, 0, 1, 2, 2, 1]))
+    same = boxes.step(np.array([1 / 16, 1 / 16, 0, -1 / 3, 1 / 3, 1 / 3, 0]))
+    np.testing.assert_allclose(cells[0]["map"], same[0]["map"], atol=1e-5)
+    with pytest.raises(ValueError, match="allowed: 0 to 255"):
+        env.step(np.array([256, 0, 0, 0, 0, 0]))
+    with pytest.raises(ValueError, match='action="cells"'):
+        boxes.action_masks()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ({"scene": "beach"}, "scene 'beach'; allowed: small, box"),
         ({"world": "water"}, "unknown sand model 'water'"),
         ({"observation": "smell"}, "observation 'smell'"),
+        ({"action": "dance"}, "action 'dance'; allowed: box, cells"),
         ({"config": {"tusk": 1}}, "tusk"),
         ({"config": {"task": {"max_strokes": 0}}}, "max_strokes"),
         ({"tasks": "missing.h5"}, "missing.h5"),
