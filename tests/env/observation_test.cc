@@ -53,6 +53,22 @@ Observation Look(const Scene& scene, int rows, int columns) {
   return observation;
 }
 
+TEST(Observation, ReachIsAChannelMoreWhereItIsAskedFor) {
+  Scene scene = RandomScene();
+  scene.region = {-0.15, 0, 0.3, 0.3};  // half of it beyond the wall
+  Observation observation;
+  observation.config = {.rows = 4, .columns = 4, .reach = true};
+  const ObservationSpec spec = SpecOf(observation.config);
+  EXPECT_EQ(spec.channels.back(), "reach");
+  observation.map.assign(static_cast<size_t>(spec.map_size()), -99);
+  observation.vec.assign(static_cast<size_t>(spec.vec_size()), -99);
+  Encode(scene.view(), observation.config, observation.map.data(), observation.vec.data());
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column)
+      EXPECT_EQ(observation.at(5, row, column), column < 2 ? 0 : 1);
+  }
+}
+
 TEST(Observation, SpecNamesEveryChannelAndNumber) {
   const ObservationSpec spec = SpecOf({});
   EXPECT_EQ(spec.channels.size(), 5u);
