@@ -8,7 +8,7 @@
 
 #include "data/base/stop.h"
 #include "env/load_gate.h"
-#include "env/reference/reference_task.h"
+#include "env/reference_bench.h"
 #include "env/shaping_env.h"
 
 namespace sandwright {
@@ -139,26 +139,6 @@ nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std
           {"gate_ms_per_stroke", 1e3 * gate_s / kBatch}};
 }
 
-nlohmann::json MeasureTask(const std::string& name) {
-  const auto task = MakeReferenceTask(name);
-  const ReferenceSpec& spec = task->spec();
-  std::vector<float> seen(static_cast<size_t>(spec.observation_size));
-  NumpyRandom random(1);
-  constexpr int kSteps = 200000;
-  std::vector<double> seconds;
-  for (int run = 0; run < kRuns; ++run) {
-    ThrowIfStopRequested();
-    task->Reset(random, seen);
-    const double start_s = Now_s();
-    for (int step = 0; step < kSteps; ++step) {
-      const float action = spec.choices > 0 ? static_cast<float>(step % spec.choices) : 0.5f;
-      if (task->Step(action, seen).terminated) task->Reset(random, seen);
-    }
-    seconds.push_back((Now_s() - start_s) / kSteps);
-  }
-  return {{"name", name}, {"step_us", 1e6 * Median(seconds)}};
-}
-
 }  // namespace
 
 void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann::json&)>& done) {
@@ -168,8 +148,7 @@ void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann:
         done(MeasureScene(bench, scene, world, threads));
     }
   }
-  for (const char* name : {"CartPole-v1", "Acrobot-v1", "Pendulum-v1", "MountainCarContinuous-v0"})
-    done(MeasureTask(name));
+  RunReferenceBench(bench.seconds, done);
 }
 
 }  // namespace sandwright

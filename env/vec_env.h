@@ -16,7 +16,7 @@ struct ObservationSpec {
   int rows = 0, columns = 0;          // H, W of `map`
   std::vector<std::string> numbers;   // of `vec`, V of them
   float map_limit = 50;               // |map| is at most this (heights: metres of sand)
-  float vec_high = 1000;              // vec lies in 0..vec_high
+  float vec_low = 0, vec_high = 1000;  // vec lies between them
   int map_size() const { return static_cast<int>(channels.size()) * rows * columns; }
   int vec_size() const { return static_cast<int>(numbers.size()); }
 };
@@ -49,7 +49,9 @@ class VecEnv {
   virtual ~VecEnv() = default;
   virtual int num_envs() const = 0;
   virtual const ObservationSpec& observation_spec() const = 0;
-  virtual int action_size() const = 0;  // Box(-1, 1)^action_size
+  virtual int action_size() const = 0;  // Box(-1, 1)^action_size, or 1 for a choice
+  // Where not 0, the action is one whole number in 0..choices - 1.
+  virtual int choices() const { return 0; }
   // Starts all episodes anew from `seed`; the same seed gives the same bytes.
   virtual ObservationBatch Reset(uint64_t seed) = 0;
   virtual StepBatch Step(std::span<const float> action_na) = 0;  // [N, action_size]

@@ -5,13 +5,16 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <opencv2/imgproc.hpp>
 
 #include "data/picture.h"
 #include "data/task.h"
 #include "env/cell_action.h"
 #include "env/load_gate.h"
-#include "env/reference/reference_task.h"
+#include "env/reference/numpy_normal.h"
+#include "env/reference/reference_vec_env.h"
 #include "env/sand_model_by_name.h"
 #include "env/shaping_env.h"
 
@@ -278,26 +281,64 @@ class NativeEnv {
   std::optional<ShapingEnv> env_;
 };
 
-// One reference task, for a comparison with Gymnasium's.
+// numpy.random.default_rng(seed).standard_normal(count), for a comparison.
+nb::object StandardNormals(uint64_t seed, size_t count) {
+  NumpyRandom random(seed);
+  std::vector<double> values(count);
+  for (double& value : values) value = StandardNormal(random);
+  return nb::cast(ToNumpy(std::move(values), {count}));
+}
+
+// Reference tasks as Gymnasium's vector environments step them, for a comparison.
 class NativeReference {
  public:
-  explicit NativeReference(const std::string& name)
-      : task_(MakeReferenceTask(name)),
-        seen_(static_cast<size_t>(task_->spec().observation_size)) {}
+  NativeReference(const std::string& name, int num_envs, int threads) : env_(name, num_envs, threads) {}
+  NativeReference(const NativeReference&) = delete;
+
+  size_t num_envs() const { return static_cast<size_t>(env_.num_envs()); }
+  nb::dict Spec() const {
+    const ReferenceSpec& spec = env_.spec();
+    nb::dict dict;
+    dict["observation"] = spec.observation;
+    dict["choices"] = spec.choices;
+    dict["action_size"] = spec.action_size;
+    dict["action_limit"] = spec.action_limit;
+    dict["max_steps"] = spec.max_steps;
+    return dict;
+  }
 
   nb::object Reset(uint64_t seed) {
-    NumpyRandom random(seed);
-    task_->Reset(random, seen_);
-    return nb::cast(ToNumpy(seen_, {seen_.size()}));
+    ObservationBatch batch;
+    {
+      nb::gil_scoped_release release;
+      batch = env_.Reset(seed);
+    }
+    return Array(std::move(batch));
   }
-  nb::tuple Step(float action) {
-    const ReferenceStep step = task_->Step(action, seen_);
-    return nb::make_tuple(ToNumpy(seen_, {seen_.size()}), step.reward, step.terminated);
+
+  nb::tuple Step(const nb::ndarray<const float, nb::ndim<2>, nb::c_contig>& actions) {
+    const auto size = static_cast<size_t>(env_.action_size()), n = num_envs();
+    if (actions.shape(0) != n || actions.shape(1) != size)
+      throw Error(fmt::format("step: actions of shape [{}, {}]; expected [{}, {}]", actions.shape(0),
+                              actions.shape(1), n, size));
+    StepBatch batch;
+    {
+      nb::gil_scoped_release release;
+      batch = env_.Step(std::span(actions.data(), actions.size()));
+    }
+    return nb::make_tuple(Array(std::move(batch.observation)), ToNumpy(std::move(batch.reward), {n}),
+                          ToNumpy(std::move(batch.terminated), {n}),
+                          ToNumpy(std::move(batch.truncated), {n}),
+                          Array(std::move(batch.final_observation)));
   }
 
  private:
-  std::unique_ptr<ReferenceTask> task_;
-  std::vector<float> seen_;
+  nb::object Array(ObservationBatch batch) const {
+    return nb::cast(ToNumpy(std::move(batch.vec),
+                            {num_envs(), static_cast<size_t>(env_.observation_spec().vec_size())}));
+  }
+
+  ReferenceVecEnv env_;
 };
 
 }  // namespace
@@ -314,10 +355,16 @@ NB_MODULE(_native, module) {
                       error.what());
     }
   });
-  nb::class_<sandwright::NativeReference>(module, "ReferenceTask")
-      .def(nb::init<const std::string&>(), nb::arg("name"))
-      .def("reset", &sandwright::NativeReference::Reset, nb::arg("seed"))
-      .def("step", &sandwright::NativeReference::Step, nb::arg("action"));
+  module.def("reference_task_names", &sandwright::ReferenceTaskNames);
+  module.def("standard_normals", &sandwright::StandardNormals, nb::arg("seed"), nb::arg("count"));
+  using sandwright::NativeReference;
+  nb::class_<NativeReference>(module, "ReferenceVecEnv")
+      .def(nb::init<const std::string&, int, int>(), nb::arg("name"), nb::arg("num_envs"),
+           nb::arg("threads") = 1)
+      .def_prop_ro("num_envs", &NativeReference::num_envs)
+      .def("spec", &NativeReference::Spec)
+      .def("reset", &NativeReference::Reset, nb::arg("seed"))
+      .def("step", &NativeReference::Step, nb::arg("actions"));
   nb::class_<sandwright::ShapingEnv::State>(module, "State");
   nb::class_<NativeEnv>(module, "NativeEnv")
       .def(nb::init<const std::string&, const std::string&>(), nb::arg("config_json"),

@@ -44,7 +44,10 @@ double Wrapped(double angle) {
 class Acrobot final : public ReferenceTask {
  public:
   const ReferenceSpec& spec() const override {
-    static const ReferenceSpec spec = {"Acrobot-v1", 6, 3, 0, 500};
+    static const ReferenceSpec spec = {
+        "Acrobot-v1",
+        {"cos_angle_1", "sin_angle_1", "cos_angle_2", "sin_angle_2", "rate_1_radps", "rate_2_radps"},
+        3, 1, 1, 500};
     return spec;
   }
 
@@ -53,9 +56,9 @@ class Acrobot final : public ReferenceTask {
     Show(observation);
   }
 
-  ReferenceStep Step(float action, std::span<float> observation) override {
+  ReferenceStep Step(std::span<const float> action, std::span<float> observation) override {
     constexpr double kStep_s = 0.2, kPi = std::numbers::pi;
-    const double torque = ChoiceOf(action, spec()) - 1;
+    const double torque = static_cast<double>(action[0]) - 1;
     const State k1 = Rates(state_, torque), k2 = Rates(Plus(state_, kStep_s / 2, k1), torque),
                 k3 = Rates(Plus(state_, kStep_s / 2, k2), torque),
                 k4 = Rates(Plus(state_, kStep_s, k3), torque);

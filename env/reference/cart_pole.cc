@@ -10,7 +10,8 @@ namespace {
 class CartPole final : public ReferenceTask {
  public:
   const ReferenceSpec& spec() const override {
-    static const ReferenceSpec spec = {"CartPole-v1", 4, 2, 0, 500};
+    static const ReferenceSpec spec = {
+        "CartPole-v1", {"x_m", "x_rate_mps", "angle_rad", "angle_rate_radps"}, 2, 1, 1, 500};
     return spec;
   }
 
@@ -19,12 +20,12 @@ class CartPole final : public ReferenceTask {
     Show(observation);
   }
 
-  ReferenceStep Step(float action, std::span<float> observation) override {
+  ReferenceStep Step(std::span<const float> action, std::span<float> observation) override {
     constexpr double kGravity = 9.8, kCart = 1.0, kPole = 0.1, kHalfLength = 0.5, kForce = 10.0,
                      kStep_s = 0.02;
     constexpr double kMass = kPole + kCart, kMoment = kPole * kHalfLength;
     constexpr double kFarthest = 2.4, kSteepest = 12 * 2 * std::numbers::pi / 360;
-    const double force = ChoiceOf(action, spec()) == 1 ? kForce : -kForce;
+    const double force = action[0] == 1 ? kForce : -kForce;
     const double c = std::cos(angle_), s = std::sin(angle_);
     const double push = (force + kMoment * (angle_rate_ * angle_rate_) * s) / kMass;
     const double turn = (kGravity * s - c * push) /

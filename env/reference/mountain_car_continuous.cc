@@ -32,7 +32,8 @@ void Move(float action, Real& position, Real& velocity) {
 class MountainCarContinuous final : public ReferenceTask {
  public:
   const ReferenceSpec& spec() const override {
-    static const ReferenceSpec spec = {"MountainCarContinuous-v0", 2, 0, 1, 999};
+    static const ReferenceSpec spec = {
+        "MountainCarContinuous-v0", {"position", "velocity"}, 0, 1, 1, 999};
     return spec;
   }
 
@@ -45,22 +46,22 @@ class MountainCarContinuous final : public ReferenceTask {
     observation[1] = velocity_;
   }
 
-  ReferenceStep Step(float action, std::span<float> observation) override {
+  ReferenceStep Step(std::span<const float> action, std::span<float> observation) override {
     bool there;
     if (fresh_) {
       double position = start_, velocity = 0;
-      Move(action, position, velocity);
+      Move(action[0], position, velocity);
       there = position >= kGoal && velocity >= 0;
       position_ = static_cast<float>(position);
       velocity_ = static_cast<float>(velocity);
       fresh_ = false;
     } else {
-      Move(action, position_, velocity_);
+      Move(action[0], position_, velocity_);
       there = position_ >= static_cast<float>(kGoal) && velocity_ >= 0;
     }
     observation[0] = position_;
     observation[1] = velocity_;
-    const double raw = action;
+    const double raw = action[0];
     return {(there ? 100.0 : 0.0) - raw * raw * 0.1, there};
   }
 

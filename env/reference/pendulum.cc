@@ -11,7 +11,8 @@ namespace {
 class Pendulum final : public ReferenceTask {
  public:
   const ReferenceSpec& spec() const override {
-    static const ReferenceSpec spec = {"Pendulum-v1", 3, 0, 2, 200};
+    static const ReferenceSpec spec = {
+        "Pendulum-v1", {"cos_angle", "sin_angle", "rate_radps"}, 0, 1, 2, 200};
     return spec;
   }
 
@@ -21,11 +22,11 @@ class Pendulum final : public ReferenceTask {
     Show(observation);
   }
 
-  ReferenceStep Step(float action, std::span<float> observation) override {
+  ReferenceStep Step(std::span<const float> action, std::span<float> observation) override {
     constexpr double kGravity = 10, kStep_s = 0.05, kFastest = 8;
     constexpr float kTorque = 2;
     // Gymnasium's torque is a float32, and so is what is made of it alone.
-    const float torque = std::clamp(action, -kTorque, kTorque);
+    const float torque = std::clamp(action[0], -kTorque, kTorque);
     const double full = 2 * std::numbers::pi;
     double turned = std::fmod(angle_ + std::numbers::pi, full);
     if (turned < 0) turned += full;
