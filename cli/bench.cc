@@ -35,7 +35,8 @@ class BenchCommand final : public Command {
         ->capture_default_str();
     app.add_option("--data", data_, "stroke files or folders: errors on recorded strokes too");
     app.add_option("--strokes", strokes_,
-                   "random strokes; suite hard: 100000, surrogate: 1000 where not given")
+                   "random strokes; suite hard: 100000, surrogate: 1000 where not given; env: of each scene and "
+                   "world, none where not given")
         ->check(CLI::PositiveNumber);
     app.add_option("--model", bench_.models,
                    "models, one or several: scored on --data by suite sand; of suite surrogate")
@@ -80,7 +81,11 @@ class BenchCommand final : public Command {
   }
 
   void RunEnv() {
-    EnvBench bench{.sand = {bench_.heightfield, bench_.dem}, .threads = threads()};
+    EnvBench bench;
+    bench.sand.heightfield = bench_.heightfield;
+    bench.sand.dem = bench_.dem;
+    bench.threads = threads();
+    bench.random_steps = strokes_.value_or(0);
     RunEnvBench(bench, [this](const nlohmann::json& row) {
       fmt::print("{}\n", row.dump());
       std::fflush(stdout);

@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <fstream>
+
+#include <unistd.h>
 
 #include "data/base/stop.h"
 #include "env/load_gate.h"
+#include "env/random_steps.h"
 #include "env/reference_bench.h"
 #include "env/shaping_env.h"
 
@@ -77,19 +81,69 @@ double MeanSeconds(const std::function<void()>& work) {
   return (Now_s() - start_s) / calls;
 }
 
+// A scene with its arm and a sand model.
+struct Stage {
+  Stage(const EnvBench& bench, const Scene& scene, const std::string& world, int threads)
+      : sand(ModelOf(bench, world, threads)), gate(LoadGate(scene.workcell)), task(scene.task) {
+    task.cell_size_m = sand->cell_size_m().value_or(task.cell_size_m);
+    shaping.num_envs = kBatch;
+    shaping.episode = scene.episode;
+  }
+  static std::unique_ptr<SandModel> ModelOf(const EnvBench& bench, const std::string& world,
+                                            int threads) {
+    SandModelConfig config = bench.sand;
+    config.heightfield.threads = threads;
+    return SandModelByName(world, config);
+  }
+
+  std::unique_ptr<SandModel> sand;
+  std::unique_ptr<const SafetyGate> gate;
+  TaskConfig task;
+  ShapingConfig shaping;
+};
+
+// Resident memory of this process [bytes].
+double Resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  double whole = 0, resident = 0;
+  statm >> whole >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+nlohmann::json MeasureMemory(const EnvBench& bench, const Scene& scene, const std::string& world) {
+  constexpr int kRows = 512;
+  Stage stage(bench, scene, world, 1);
+  stage.shaping.num_envs = 1;
+  const ShapingEnv one(stage.shaping, {*stage.sand, stage.gate.get()}, TasksFrom(stage.task));
+  stage.shaping.num_envs = kRows;
+  const double before = Resident_bytes();
+  const ShapingEnv many(stage.shaping, {*stage.sand, stage.gate.get()}, TasksFrom(stage.task));
+  return {{"name", scene.name + ", " + world + ", memory"},
+          {"environments", kRows},
+          {"cell_size_m", stage.task.cell_size_m},
+          {"kib_per_environment", (Resident_bytes() - before) / 1024 / kRows}};
+}
+
+nlohmann::json StepAtRandom(const EnvBench& bench, const Scene& scene, const std::string& world) {
+  Stage stage(bench, scene, world, bench.threads);
+  stage.shaping.random_phase = false;
+  stage.shaping.episode.sensor = {
+      .noise_m = 0.0004, .registration_m = 0.002, .offset_m = 0.001, .hole_share = 0.01};
+  stage.shaping.episode.tracking_error_m = 0.001;
+  stage.shaping.observation.reach = true;
+  ShapingEnv env(stage.shaping, {*stage.sand, stage.gate.get(), bench.threads},
+                 TasksFrom(stage.task));
+  nlohmann::json row = RunRandomSteps(env, bench.random_steps, 1).ToJson();
+  row["name"] = scene.name + ", " + world + ", random steps";
+  return row;
+}
+
 nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std::string& world,
                             int threads) {
-  SandModelConfig config = bench.sand;
-  config.heightfield.threads = threads;
-  const auto model = SandModelByName(world, config);
-  const TimedSand sand(*model);
-  const auto gate = LoadGate(scene.workcell);
-  TaskConfig task = scene.task;
-  task.cell_size_m = model->cell_size_m().value_or(task.cell_size_m);
-  ShapingConfig shaping;
-  shaping.num_envs = kBatch;
-  shaping.episode = scene.episode;
-  ShapingEnv env(shaping, {sand, gate.get(), threads}, TasksFrom(task));
+  const Stage stage(bench, scene, world, threads);
+  const TimedSand sand(*stage.sand);
+  const auto& gate = stage.gate;
+  ShapingEnv env(stage.shaping, {sand, gate.get(), threads}, TasksFrom(stage.task));
 
   RandomStream stream(1, StreamId("benchmark actions"));
   std::vector<double> rates, cpu_rates;
@@ -129,7 +183,7 @@ nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std
   return {{"name", scene.name + ", " + world},
           {"threads", threads},
           {"batch", kBatch},
-          {"cell_size_m", task.cell_size_m},
+          {"cell_size_m", stage.task.cell_size_m},
           {"strokes_per_second", Median(rates)},
           {"strokes_per_cpu_second", Median(cpu_rates)},
           {"rejected_share", rejected / strokes},
@@ -146,6 +200,12 @@ void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann:
     for (const std::string& world : bench.worlds) {
       for (int threads = 1; threads <= bench.threads; threads *= 2)
         done(MeasureScene(bench, scene, world, threads));
+    }
+  }
+  for (const Scene& scene : Scenes()) {
+    for (const std::string& world : bench.worlds) {
+      done(MeasureMemory(bench, scene, world));
+      if (bench.random_steps > 0) done(StepAtRandom(bench, scene, world));
     }
   }
   RunReferenceBench(bench.seconds, done);
