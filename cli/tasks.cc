@@ -51,7 +51,7 @@ class TasksCommand final : public Command {
   int Run() override {
     if (!kinds_.empty()) config_.goals = kinds_;
     if (!image_.empty()) drawing_ = ReadDrawing(image_);
-    const Benchmark made = !set_.empty() ? FixedSet() : Benchmark{"", generate_ ? Generated() : OnTerrains()};
+    const Benchmark made = set_.empty() ? Benchmark{"", DrawnTasks()} : FixedSet();
     std::vector<double> error_mm;
     for (const Task& task : made.tasks) error_mm.push_back(1e3 * GoalError(task.terrain, task.goal));
     const double mean_mm = std::accumulate(error_mm.begin(), error_mm.end(), 0.0) /
@@ -86,27 +86,33 @@ class TasksCommand final : public Command {
     return MakeRealBenchmark(folder.maps);
   }
 
-  std::vector<Task> Generated() const {
-    std::vector<Task> tasks(static_cast<size_t>(count_ > 0 ? count_ : 10));
-    ParallelFor(static_cast<int>(tasks.size()), threads(), [&](int i) {
+  std::vector<Task> DrawnTasks() const {
+    if (terrain_files_.empty() && !generate_)
+      throw Error("tasks needs --terrain FILE..., --generate or --set NAME");
+    if (!generate_ && goal_file_.empty() && kinds_.empty() && drawing_.empty())
+      throw Error("--terrain needs --goal FILE, --goals KIND,... or --goal-image FILE");
+    const int given = generate_ ? 10 : static_cast<int>(terrain_files_.size());
+    const int count = count_ > 0 ? count_ : given;
+    if (!goal_file_.empty() && count > given)
+      throw Error(
+          fmt::format("--count {} with one --goal would repeat tasks; at most {}, the terrains",
+                      count, given));
+    const std::vector<HeightMap> terrains = ReadTerrains();
+    std::vector<Task> tasks(static_cast<size_t>(count));
+    ParallelFor(count, threads(), [&](int i) {
       RandomStream stream(seed(), kEvaluationTasks, static_cast<uint64_t>(i));
-      tasks[static_cast<size_t>(i)] =
-          drawing_.empty() ? GenerateTask(config_, stream)
-                           : GenerateDrawnGoal(config_, drawing_, 1e-3 * range_mm_,
-                                               DrawTerrain(config_, stream), stream);
+      const size_t n = static_cast<size_t>(i), from = generate_ ? 0 : n % terrains.size();
+      if (generate_ && drawing_.empty()) {
+        tasks[n] = GenerateTask(config_, stream);
+        return;
+      }
+      tasks[n] = TaskOn(generate_ ? DrawTerrain(config_, stream) : terrains[from], stream);
+      CheckTask(tasks[n], generate_ ? fmt::format("task {}", n) : terrain_files_[from] + " and its goal");
     });
     return tasks;
   }
 
-  std::vector<Task> OnTerrains() const {
-    if (terrain_files_.empty()) throw Error("tasks needs --terrain FILE..., --generate or --set NAME");
-    if (goal_file_.empty() && kinds_.empty() && drawing_.empty())
-      throw Error("--terrain needs --goal FILE, --goals KIND,... or --goal-image FILE");
-    const size_t count = count_ > 0 ? static_cast<size_t>(count_) : terrain_files_.size();
-    if (!goal_file_.empty() && count > terrain_files_.size())
-      throw Error(
-          fmt::format("--count {} with one --goal would repeat tasks; at most {}, the terrains",
-                      count, terrain_files_.size()));
+  std::vector<HeightMap> ReadTerrains() const {
     std::vector<HeightMap> terrains;
     for (const std::string& file : terrain_files_) {
       terrains.push_back(ReadHeightMap(file));
@@ -115,18 +121,12 @@ class TasksCommand final : public Command {
                                 file, terrains.back().cell_size_m, terrain_files_[0],
                                 terrains[0].cell_size_m));
     }
-    std::vector<Task> tasks;
-    for (size_t i = 0; i < count; ++i) {
-      const HeightMap& terrain = terrains[i % terrains.size()];
-      RandomStream stream(seed(), kEvaluationTasks, i);
-      tasks.push_back(TaskOn(terrain, stream));
-      CheckTask(tasks.back(), terrain_files_[i % terrains.size()] + " and its goal");
-    }
-    return tasks;
+    return terrains;
   }
 
   Task TaskOn(const HeightMap& terrain, RandomStream& stream) const {
-    if (!drawing_.empty()) return GenerateDrawnGoal(config_, drawing_, 1e-3 * range_mm_, terrain, stream);
+    if (!drawing_.empty())
+      return GenerateDrawnGoal(config_, drawing_, 1e-3 * range_mm_, terrain, stream);
     if (goal_file_.empty()) return GenerateGoal(config_, terrain, stream);
     return {terrain, ReadGoal(goal_file_), static_cast<int>(config_.max_strokes)};
   }

@@ -89,7 +89,9 @@ HeightMap DrawLettersGoal(const TaskConfig& config, const HeightMap& terrain, co
   const double fitting = place.width_m / (kLetterLines * config.narrowest_m);
   const auto most = static_cast<uint64_t>(std::max(1.0, fitting));
   std::string text(1 + stream.Index(most), ' ');
-  for (char& letter : text) letter = static_cast<char>('A' + stream.Index(26));
+  // Without M and W, whose four lines close up in a small place.
+  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLNOPQRSTUVXYZ";
+  for (char& letter : text) letter = kAlphabet[stream.Index(kAlphabet.size())];
   const cv::Mat grey =
       DrawLetters(text, static_cast<int>(std::lround(place.depth_m / pixel_m)),
                   static_cast<int>(std::lround(place.width_m / pixel_m)), kNarrowestPixels);
