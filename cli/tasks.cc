@@ -1,68 +1,118 @@
-// sandwright tasks: task files, from scanned or generated terrains and given or generated goals.
+// sandwright tasks: task files, from scanned or generated terrains and given or generated goals, or a
+// fixed set.
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <numeric>
 
 #include "cli/command.h"
 #include "data/base/parallel.h"
-#include "env/task_generator.h"
+#include "data/drawing.h"
+#include "data/picture.h"
+#include "data/scan_folder.h"
+#include "env/benchmark_tasks.h"
+#include "env/task_sheet.h"
 
 namespace sandwright {
 namespace {
+
+constexpr size_t kPictured = 24;
 
 class TasksCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
     auto* terrain = app.add_option("--terrain", terrain_files_, "height map files, one or more");
     auto* generate = app.add_flag("--generate", generate_, "random terrains");
+    auto* set = app.add_option("--set", set_, "a fixed set: easy, hard, scanned or real");
+    auto* scans = app.add_option("--scans", scans_, "folder of the scans that set real is cut from");
     auto* goal = app.add_option("--goal", goal_file_, "goal for every terrain: a height map file");
     auto* goals = app.add_option("--goals", kinds_, "kinds of random goals, separated by commas")
                       ->delimiter(',');
-    app.add_option("--count", count_, "tasks (default: one a terrain; 10 with --generate)")
-        ->check(CLI::Range(1, 1000000));
+    auto* image = app.add_option("--goal-image", image_, "goal for every terrain: a grey picture");
+    auto* range = app.add_option("--range-mm", range_mm_, "its white above its black; negative: below")
+                      ->check(CLI::Range(-500.0, 500.0));
+    auto* count = app.add_option("--count", count_, "tasks (default: one a terrain; 10 with --generate)")
+                      ->check(CLI::Range(1, 1000000));
     app.add_option("--out", out_, "task file to write")->required();
+    app.add_option("--picture", picture_, "PNG of the first 24 tasks to write: terrain and goal");
     generate->excludes(terrain)->excludes(goal);
-    goal->excludes(goals);
+    goal->excludes(goals)->excludes(image);
+    image->excludes(goals)->needs(range);
+    range->needs(image);
+    scans->needs(set);
+    for (auto* other : {terrain, generate, goal, goals, image, count}) set->excludes(other);
   }
-  void Fields(FieldList& f) override { f.Section("tasks", config_); }
+  void Fields(FieldList& f) override {
+    f.Section("tasks", config_);
+    f.Section("scans", scan_config_);
+  }
 
   int Run() override {
     if (!kinds_.empty()) config_.goals = kinds_;
-    const std::vector<Task> tasks = generate_ ? Generated() : OnTerrains();
+    if (!image_.empty()) drawing_ = ReadDrawing(image_);
+    const Benchmark made = set_.empty() ? Benchmark{"", DrawnTasks()} : FixedSet();
     std::vector<double> error_mm;
-    for (const Task& task : tasks) error_mm.push_back(1e3 * GoalError(task.terrain, task.goal));
-    const double mean_mm =
-        std::accumulate(error_mm.begin(), error_mm.end(), 0.0) / static_cast<double>(tasks.size());
-    WriteTasks(tasks, out_);
-    fmt::print("{} tasks, goal error {:.1f} mm ({:.1f} to {:.1f}): {}\n", tasks.size(), mean_mm,
-               std::ranges::min(error_mm), std::ranges::max(error_mm), out_);
-    WriteResult({{"tasks", tasks.size()},
+    for (const Task& task : made.tasks) error_mm.push_back(1e3 * GoalError(task.terrain, task.goal));
+    const double mean_mm = std::accumulate(error_mm.begin(), error_mm.end(), 0.0) /
+                           static_cast<double>(error_mm.size());
+    const std::string content = TasksSha256(made.tasks);
+    WriteTasks(made.tasks, out_, made.id);
+    if (!picture_.empty())
+      WritePicture(DrawTasks(std::span(made.tasks).first(std::min(kPictured, made.tasks.size()))), picture_);
+    fmt::print("{}{} tasks, goal error {:.1f} mm ({:.1f} to {:.1f}): {}\ncontent sha256 {}\n",
+               made.id.empty() ? "" : made.id + ": ", made.tasks.size(), mean_mm,
+               std::ranges::min(error_mm), std::ranges::max(error_mm), out_, content);
+    WriteResult({{"tasks", made.tasks.size()},
                  {"out", out_},
+                 {"benchmark", made.id},
+                 {"content_sha256", content},
                  {"in_goal_mean_diff_start_mm", mean_mm},
                  {"per_task_in_goal_mean_diff_start_mm", error_mm}});
     return 0;
   }
 
  private:
-  std::vector<Task> Generated() const {
-    std::vector<Task> tasks(static_cast<size_t>(count_ > 0 ? count_ : 10));
-    ParallelFor(static_cast<int>(tasks.size()), threads(), [&](int i) {
+  Benchmark FixedSet() const {
+    BenchmarkConfig(set_);  // an unknown name is an error whatever else is given
+    TaskConfig untouched;
+    if (seed() != 0 || ToJson(FieldsOf(untouched)) != ResolvedConfig()["tasks"])
+      throw Error("--set " + set_ + " is fixed: --seed and the keys tasks have no effect on it");
+    if ((set_ == "real") == scans_.empty())
+      throw Error("--scans DIR belongs to --set real, and only there");
+    if (set_ != "real") return MakeBenchmark(set_, threads());
+    const ScanFolder folder = ReadScanFolder(scans_, scan_config_);
+    for (const std::string& refusal : folder.refusals) spdlog::warn("left out: {}", refusal);
+    return MakeRealBenchmark(folder.maps);
+  }
+
+  std::vector<Task> DrawnTasks() const {
+    if (terrain_files_.empty() && !generate_)
+      throw Error("tasks needs --terrain FILE..., --generate or --set NAME");
+    if (!generate_ && goal_file_.empty() && kinds_.empty() && drawing_.empty())
+      throw Error("--terrain needs --goal FILE, --goals KIND,... or --goal-image FILE");
+    const int given = generate_ ? 10 : static_cast<int>(terrain_files_.size());
+    const int count = count_ > 0 ? count_ : given;
+    if (!goal_file_.empty() && count > given)
+      throw Error(
+          fmt::format("--count {} with one --goal would repeat tasks; at most {}, the terrains",
+                      count, given));
+    const std::vector<HeightMap> terrains = ReadTerrains();
+    std::vector<Task> tasks(static_cast<size_t>(count));
+    ParallelFor(count, threads(), [&](int i) {
       RandomStream stream(seed(), kEvaluationTasks, static_cast<uint64_t>(i));
-      tasks[static_cast<size_t>(i)] = GenerateTask(config_, stream);
+      const size_t n = static_cast<size_t>(i), from = generate_ ? 0 : n % terrains.size();
+      if (generate_ && drawing_.empty()) {
+        tasks[n] = GenerateTask(config_, stream);
+        return;
+      }
+      tasks[n] = TaskOn(generate_ ? DrawTerrain(config_, stream) : terrains[from], stream);
+      CheckTask(tasks[n], generate_ ? fmt::format("task {}", n) : terrain_files_[from] + " and its goal");
     });
     return tasks;
   }
 
-  std::vector<Task> OnTerrains() const {
-    if (terrain_files_.empty()) throw Error("tasks needs --terrain FILE... or --generate");
-    if (goal_file_.empty() && kinds_.empty())
-      throw Error("--terrain needs --goal FILE or --goals KIND,...");
-    const size_t count = count_ > 0 ? static_cast<size_t>(count_) : terrain_files_.size();
-    if (!goal_file_.empty() && count > terrain_files_.size())
-      throw Error(
-          fmt::format("--count {} with one --goal would repeat tasks; at most {}, the terrains",
-                      count, terrain_files_.size()));
+  std::vector<HeightMap> ReadTerrains() const {
     std::vector<HeightMap> terrains;
     for (const std::string& file : terrain_files_) {
       terrains.push_back(ReadHeightMap(file));
@@ -71,21 +121,22 @@ class TasksCommand final : public Command {
                                 file, terrains.back().cell_size_m, terrain_files_[0],
                                 terrains[0].cell_size_m));
     }
-    std::vector<Task> tasks;
-    for (size_t i = 0; i < count; ++i) {
-      const HeightMap& terrain = terrains[i % terrains.size()];
-      RandomStream stream(seed(), kEvaluationTasks, i);
-      tasks.push_back(goal_file_.empty() ? GenerateGoal(config_, terrain, stream)
-                                         : Task{terrain, ReadGoal(goal_file_),
-                                                static_cast<int>(config_.max_strokes)});
-      CheckTask(tasks.back(), terrain_files_[i % terrains.size()] + " and its goal");
-    }
-    return tasks;
+    return terrains;
+  }
+
+  Task TaskOn(const HeightMap& terrain, RandomStream& stream) const {
+    if (!drawing_.empty())
+      return GenerateDrawnGoal(config_, drawing_, 1e-3 * range_mm_, terrain, stream);
+    if (goal_file_.empty()) return GenerateGoal(config_, terrain, stream);
+    return {terrain, ReadGoal(goal_file_), static_cast<int>(config_.max_strokes)};
   }
 
   TaskConfig config_;
+  ScanFolderConfig scan_config_;
   std::vector<std::string> terrain_files_, kinds_;
-  std::string goal_file_, out_;
+  std::string goal_file_, image_, set_, scans_, out_, picture_;
+  cv::Mat drawing_;
+  double range_mm_ = 0;
   bool generate_ = false;
   int count_ = 0;
 };

@@ -123,6 +123,23 @@ HeightMap Resample(const HeightMap& map, double cell_size_m) {
   return out;
 }
 
+HeightMap SampleOnto(const HeightMap& map, double x_m, double y_m, int rows, int columns,
+                     double cell_size_m) {
+  constexpr int kSamples = 4;
+  HeightMap out(rows, columns, cell_size_m, 0, map.datum);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      double sum = 0;
+      for (int j = 0; j < kSamples; ++j)
+        for (int i = 0; i < kSamples; ++i)
+          sum += HeightAt(map, x_m + (column + (i + 0.5) / kSamples) * cell_size_m,
+                          y_m + (row + (j + 0.5) / kSamples) * cell_size_m);
+      out.At(row, column) = static_cast<float>(sum / (kSamples * kSamples));
+    }
+  }
+  return out;
+}
+
 HeightMap Crop(const HeightMap& map, const CellRect& rect) {
   SAND_CHECK(
       rect.row0 >= 0 && rect.column0 >= 0 && rect.row1 <= map.rows && rect.column1 <= map.columns,

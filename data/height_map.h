@@ -71,6 +71,11 @@ double HeightAt(const HeightMap& map, double x_m, double y_m);
 // The extent must be a whole number of new cells (to 1e-6), else Error.
 HeightMap Resample(const HeightMap& map, double cell_size_m);
 
+// A piece of the map on cells of its own: its corner at (x, y) [m] in B, each cell the mean of 4 x 4
+// bilinear heights. Beyond the map's edge as HeightAt; valid and mask are left behind.
+HeightMap SampleOnto(const HeightMap& map, double x_m, double y_m, int rows, int columns,
+                     double cell_size_m);
+
 // How many cells of `cell_size_m` an extent holds. Error naming the configuration's `key` where that is
 // no whole number (to 1e-6).
 int WholeCells(double extent_m, double cell_size_m, const char* key);

@@ -2,9 +2,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "data/base/hdf5.h"
+#include "data/base/sha256.h"
 
 namespace sandwright {
 namespace {
@@ -38,6 +41,35 @@ Datum ReadDatum(const H5::Group& group, const std::string& where) {
   return datum == "floor" ? Datum::kFloor : Datum::kRelative;
 }
 
+void CheckCounted(const HeightMap& goal, const std::string& source) {
+  bool any = false;
+  double lowest_m = 0, sum_m = 0;
+  for (size_t i = 0; i < goal.size(); ++i) {
+    if (!goal.mask[i]) continue;
+    any = true;
+    const double height_m = goal.height_m[i];
+    if (std::isnan(height_m))
+      throw Error(fmt::format("{}: the goal is NaN at row {}, column {}, where its mask counts",
+                              source, i / static_cast<size_t>(goal.columns),
+                              i % static_cast<size_t>(goal.columns)));
+    lowest_m = std::min(lowest_m, height_m);
+    sum_m += height_m;
+  }
+  if (!any) throw Error(source + ": the goal counts no cell (mask all 0 or heights all NaN)");
+  if (goal.datum != Datum::kFloor) return;
+  if (lowest_m < 0)
+    throw Error(fmt::format("{}: the goal reaches {:.1f} mm below the floor; at least 0 is allowed",
+                            source, -1e3 * lowest_m));
+  if (sum_m == 0)
+    throw Error(source + ": the goal holds no sand: every cell that counts lies on the floor");
+}
+
+// The bytes of a vector, for a hash.
+template <class T>
+std::string_view Bytes(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
 }  // namespace
 
 void CheckTask(const Task& task, const std::string& source) {
@@ -53,9 +85,7 @@ void CheckTask(const Task& task, const std::string& source) {
                 "cannot be compared");
   if (task.goal.mask.size() != task.goal.size())
     throw Error(source + ": the mask has another size than the goal");
-  bool any = false;
-  for (uint8_t counts : task.goal.mask) any = any || counts != 0;
-  if (!any) throw Error(source + ": the goal counts no cell (mask all 0 or heights all NaN)");
+  CheckCounted(task.goal, source);
   if (task.max_strokes < 1)
     throw Error(fmt::format("{}: max_strokes = {}; must be >= 1", source, task.max_strokes));
 }
@@ -83,7 +113,6 @@ std::vector<Task> ReadTasks(const std::filesystem::path& file) {
       task.max_strokes = static_cast<int>(ReadInteger(group, "max_strokes", where));
       task.terrain.datum = task.goal.datum = ReadDatum(group, where);
       CheckTask(task, where);
-      FillMask(task.goal);
       tasks.push_back(std::move(task));
     }
   } catch (const H5::Exception&) {
@@ -93,11 +122,14 @@ std::vector<Task> ReadTasks(const std::filesystem::path& file) {
   return tasks;
 }
 
-void WriteTasks(const std::vector<Task>& tasks, const std::filesystem::path& file) {
+void WriteTasks(const std::vector<Task>& tasks, const std::filesystem::path& file,
+                const std::string& benchmark) {
   SAND_CHECK(!tasks.empty());
   WriteHdf5(file, [&](H5::H5File& h5) {
     WriteSchema(h5, "sandwright-tasks", 1);
     WriteNumber(h5, "cell_size_m", tasks.front().terrain.cell_size_m);
+    if (!benchmark.empty()) WriteText(h5, "benchmark", benchmark);
+    WriteText(h5, "content_sha256", TasksSha256(tasks));
     H5::Group groups = h5.createGroup("tasks");
     for (size_t i = 0; i < tasks.size(); ++i) {
       const Task& task = tasks[i];
@@ -113,6 +145,19 @@ void WriteTasks(const std::vector<Task>& tasks, const std::filesystem::path& fil
       WriteText(group, "datum", task.terrain.datum == Datum::kFloor ? "floor" : "relative");
     }
   });
+}
+
+std::string TasksSha256(const std::vector<Task>& tasks) {
+  std::string content;
+  for (const Task& task : tasks) {
+    content += fmt::format("{} {} {} {} {}\n", task.terrain.rows, task.terrain.columns,
+                           task.terrain.cell_size_m, static_cast<int>(task.terrain.datum),
+                           task.max_strokes);
+    content += Bytes(task.terrain.height_m);
+    content += Bytes(task.goal.height_m);
+    content += Bytes(task.goal.mask);
+  }
+  return Sha256Hex(content);
 }
 
 double GoalError(const HeightMap& heights, const HeightMap& goal) {

@@ -59,8 +59,7 @@ HeightMap MakeGoal(const GoalShape& shape, const HeightMap& terrain, const Regio
   HeightMap goal = terrain;
   goal.valid.clear();
   goal.mask.assign(goal.size(), 0);
-  double difference = 0;
-  size_t count = 0;
+  bool any = false;
   for (int row = 0; row < goal.rows; ++row) {
     for (int column = 0; column < goal.columns; ++column) {
       const double x = (column + 0.5) * goal.cell_size_m, y = (row + 0.5) * goal.cell_size_m;
@@ -70,24 +69,39 @@ HeightMap MakeGoal(const GoalShape& shape, const HeightMap& terrain, const Regio
       const size_t i = goal.Index(row, column);
       goal.mask[i] = 1;
       goal.height_m[i] = static_cast<float>(ShapeHeight(shape, x, y));
-      difference += static_cast<double>(terrain.height_m[i]) - goal.height_m[i];
-      ++count;
+      any = true;
     }
   }
-  if (count == 0)
+  if (!any)
     throw Error(fmt::format("the goal's shape at ({:.3f}, {:.3f}) m covers no cell of its place",
                             shape.x_m, shape.y_m));
-  const double plane_m = difference / static_cast<double>(count);
+  return BalanceGoal(goal, terrain, std::string(kGoalNames[static_cast<size_t>(shape.kind)]));
+}
+
+HeightMap BalanceGoal(const HeightMap& wish, const HeightMap& terrain, const std::string& name) {
+  SAND_CHECK(wish.SameGrid(terrain) && wish.mask.size() == wish.size(), wish.rows, terrain.rows);
+  HeightMap goal = terrain;
+  goal.valid.clear();
+  goal.mask = wish.mask;
+  double difference = 0, lowest_m = 0, highest_m = 0;
+  size_t count = 0;
   for (size_t i = 0; i < goal.size(); ++i) {
     if (!goal.mask[i]) continue;
-    goal.height_m[i] = static_cast<float>(plane_m + goal.height_m[i]);
-    if (goal.datum == Datum::kFloor && goal.height_m[i] < 0)
-      throw Error(
-          fmt::format("the {} goal reaches {:.1f} mm below the floor: {:.1f} mm of rise is too "
-                      "much for sand {:.1f} mm deep",
-                      kGoalNames[static_cast<size_t>(shape.kind)], -1e3 * goal.height_m[i],
-                      1e3 * shape.rise_m, 1e3 * plane_m));
+    const double height_m = wish.height_m[i];
+    lowest_m = count == 0 ? height_m : std::min(lowest_m, height_m);
+    highest_m = count == 0 ? height_m : std::max(highest_m, height_m);
+    difference += static_cast<double>(terrain.height_m[i]) - height_m;
+    ++count;
   }
+  SAND_CHECK(count > 0);
+  const double plane_m = difference / static_cast<double>(count);
+  if (goal.datum == Datum::kFloor && plane_m + lowest_m < 0)
+    throw Error(
+        fmt::format("the {} goal reaches {:.1f} mm below the floor: {:.1f} mm from its lowest to its "
+                    "highest point are too much for the sand there",
+                    name, -1e3 * (plane_m + lowest_m), 1e3 * (highest_m - lowest_m)));
+  for (size_t i = 0; i < goal.size(); ++i)
+    if (goal.mask[i]) goal.height_m[i] = static_cast<float>(plane_m + wish.height_m[i]);
   return goal;
 }
 

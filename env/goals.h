@@ -42,4 +42,9 @@ double DistanceToFoot(const GoalShape& shape, double x_m, double y_m);
 HeightMap MakeGoal(const GoalShape& shape, const HeightMap& terrain, const Region& region,
                    double margin_m);
 
+// `wish` (same grid, mask filled and not empty, heights relative) as a goal: where it counts, on the one
+// plane that gives it the terrain's volume; elsewhere as the terrain. `name` goes into the Error where
+// it is lower than the floor.
+HeightMap BalanceGoal(const HeightMap& wish, const HeightMap& terrain, const std::string& name);
+
 }  // namespace sandwright

@@ -1,11 +1,15 @@
 #include "env/task_generator.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
+
+#include "data/drawing.h"
 
 namespace sandwright {
 namespace {
@@ -17,13 +21,31 @@ double MeanHeight(const HeightMap& map) {
          static_cast<double>(map.size());
 }
 
-// A place of the configured extent on whole cells, anywhere in the box.
+constexpr std::string_view kLetters = "letters";  // drawn, so no shape of env/goals.h
+
+// Takes no draw where the range is one number.
+double DrawFrom(double low, double high, RandomStream& stream) {
+  return low == high ? low : stream.Uniform(low, high);
+}
+
+// How deep the sand is; as deep as one likes where the floor is not known.
+double SandDepth(const HeightMap& terrain) {
+  return terrain.datum == Datum::kFloor ? MeanHeight(terrain)
+                                        : std::numeric_limits<double>::infinity();
+}
+
+// A place of the configured extent and share on whole cells, anywhere in the box.
 Region DrawPlace(const TaskConfig& config, const HeightMap& terrain, RandomStream& stream) {
+  if (config.area_high < config.area_low)
+    throw Error(fmt::format("area_high = {}; must be at least area_low = {}", config.area_high,
+                            config.area_low));
+  const double side = std::sqrt(DrawFrom(config.area_low, config.area_high, stream));
   const auto axis = [&](double extent_m, int cells, const char* key) {
-    const int size = extent_m == 0 ? cells : WholeCells(extent_m, terrain.cell_size_m, key);
+    int size = extent_m == 0 ? cells : WholeCells(extent_m, terrain.cell_size_m, key);
     if (size < 2 || size > cells)
       throw Error(fmt::format("{} = {} m; allowed: 0 or {} to {} m, the box", key, extent_m,
                               2 * terrain.cell_size_m, cells * terrain.cell_size_m));
+    size = std::max(2, static_cast<int>(std::lround(side * size)));
     const auto first = stream.Index(static_cast<uint64_t>(cells - size + 1));
     return std::pair(static_cast<double>(first) * terrain.cell_size_m, size * terrain.cell_size_m);
   };
@@ -32,12 +54,21 @@ Region DrawPlace(const TaskConfig& config, const HeightMap& terrain, RandomStrea
   return {x, y, width, depth};
 }
 
-GoalShape DrawShape(const TaskConfig& config, const Region& place, double sand_depth_m,
-                    RandomStream& stream) {
+const std::string& DrawKind(const TaskConfig& config, RandomStream& stream) {
   if (config.goals.empty()) throw Error("goals is empty; name at least one kind");
+  for (const std::string& kind : config.goals) {
+    if (kind != kLetters && std::ranges::find(kGoalNames, kind) == kGoalNames.end())
+      throw Error(fmt::format("goal kind \"{}\" is unknown; allowed: {}, {}", kind,
+                              fmt::join(kGoalNames, ", "), kLetters));
+  }
+  return config.goals[stream.Index(config.goals.size())];
+}
+
+GoalShape DrawShape(const std::string& kind, const Region& place, double sand_depth_m,
+                    RandomStream& stream) {
   const double extent = std::min(place.width_m, place.depth_m);
   GoalShape shape;
-  shape.kind = ParseGoalKind(config.goals[stream.Index(config.goals.size())]);
+  shape.kind = ParseGoalKind(kind);
   shape.x_m = place.x_m + place.width_m * stream.Uniform(0.3, 0.7);
   shape.y_m = place.y_m + place.depth_m * stream.Uniform(0.3, 0.7);
   shape.heading_rad = std::numbers::pi * stream.Uniform(-1, 1);
@@ -50,30 +81,67 @@ GoalShape DrawShape(const TaskConfig& config, const Region& place, double sand_d
   return shape;
 }
 
+// One letter, or as many as have room for their lines, raised or sunk.
+HeightMap DrawLettersGoal(const TaskConfig& config, const HeightMap& terrain, const Region& place,
+                          RandomStream& stream) {
+  constexpr double kLetterLines = 7;  // width of a letter in widths of its lines, with its gap
+  const double pixel_m = config.narrowest_m / kNarrowestPixels;
+  const double fitting = place.width_m / (kLetterLines * config.narrowest_m);
+  const auto most = static_cast<uint64_t>(std::max(1.0, fitting));
+  std::string text(1 + stream.Index(most), ' ');
+  // Without M and W, whose four lines close up in a small place.
+  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLNOPQRSTUVXYZ";
+  for (char& letter : text) letter = kAlphabet[stream.Index(kAlphabet.size())];
+  const cv::Mat grey =
+      DrawLetters(text, static_cast<int>(std::lround(place.depth_m / pixel_m)),
+                  static_cast<int>(std::lround(place.width_m / pixel_m)), kNarrowestPixels);
+  const bool raised = stream.Index(2) == 1;
+  const double slope = stream.Uniform(0.3, 0.5);  // as of shapes
+  // No higher than a line of that width still has a flat top.
+  const double highest = std::min({0.6 * SandDepth(terrain), slope * config.narrowest_m, 0.04});
+  const double range_m = highest * stream.Uniform(0.6, 1);
+  return MakeDrawnGoal(grey, raised ? range_m : -range_m, terrain, place, config.narrowest_m, slope);
+}
+
 void Flatten(HeightMap& map, double about_m, double factor) {
   for (float& h : map.height_m) h = static_cast<float>(about_m + factor * (h - about_m));
 }
 
 }  // namespace
 
+HeightMap DrawTerrain(const TaskConfig& config, RandomStream& stream) {
+  return GenerateTerrain(config.terrain, WholeCells(config.depth_m, config.cell_size_m, "depth_m"),
+                         WholeCells(config.width_m, config.cell_size_m, "width_m"),
+                         config.cell_size_m, stream);
+}
+
 Task GenerateGoal(const TaskConfig& config, const HeightMap& terrain, RandomStream& stream) {
   const Region place = DrawPlace(config, terrain, stream);
-  const GoalShape shape = DrawShape(config, place, MeanHeight(terrain), stream);
+  const std::string& kind = DrawKind(config, stream);
+  const int budget = static_cast<int>(config.max_strokes);
+  if (kind == kLetters) return {terrain, DrawLettersGoal(config, terrain, place, stream), budget};
+  const GoalShape shape = DrawShape(kind, place, SandDepth(terrain), stream);
   const double margin_m =
       config.margin_m == 0 ? std::max(terrain.width_m(), terrain.depth_m()) * 2 : config.margin_m;
-  return {terrain, MakeGoal(shape, terrain, place, margin_m), static_cast<int>(config.max_strokes)};
+  return {terrain, MakeGoal(shape, terrain, place, margin_m), budget};
+}
+
+Task GenerateDrawnGoal(const TaskConfig& config, const cv::Mat& grey, double range_m,
+                       const HeightMap& terrain, RandomStream& stream) {
+  constexpr double kSlope = GoalShape{}.slope;
+  const Region place = DrawPlace(config, terrain, stream);
+  return {terrain,
+          MakeDrawnGoal(grey, range_m, terrain, place, config.narrowest_m, kSlope),
+          static_cast<int>(config.max_strokes)};
 }
 
 Task GenerateTask(const TaskConfig& config, RandomStream& stream) {
   if (config.difficulty_high_m < config.difficulty_low_m)
     throw Error(fmt::format("difficulty_high_m = {}; must be at least difficulty_low_m = {}",
                             config.difficulty_high_m, config.difficulty_low_m));
-  const int rows = WholeCells(config.depth_m, config.cell_size_m, "depth_m");
-  const int columns = WholeCells(config.width_m, config.cell_size_m, "width_m");
   double roughest_m = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    const HeightMap terrain =
-        GenerateTerrain(config.terrain, rows, columns, config.cell_size_m, stream);
+    const HeightMap terrain = DrawTerrain(config, stream);
     Task task = GenerateGoal(config, terrain, stream);
     const double error_m = GoalError(task.terrain, task.goal);
     roughest_m = std::max(roughest_m, error_m);

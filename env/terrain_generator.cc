@@ -6,8 +6,10 @@
 #include <numbers>
 #include <numeric>
 
+#include "data/excavation.h"
 #include "env/avalanche.h"
 #include "env/goals.h"
+#include "env/heightfield.h"
 
 namespace sandwright {
 namespace {
@@ -88,6 +90,20 @@ void AddTilt(double largest_deg, RandomStream& stream, HeightMap& map) {
   }
 }
 
+void Excavate(const TerrainConfig& config, RandomStream& stream, HeightMap& map) {
+  HeightfieldConfig sand;
+  sand.repose_deg = config.repose_deg;
+  sand.loose_deg = std::min(sand.loose_deg, sand.repose_deg);
+  const Heightfield heightfield(sand);
+  SandState state(std::move(map));
+  for (int64_t i = 0; i < config.strokes; ++i) {
+    const Stroke stroke = DrawStroke({}, state.map(), stream);
+    heightfield.Apply(std::span(&state, 1), std::span(&stroke, 1));
+  }
+  map = state.map();
+  RelaxToRepose(map, config.repose_deg);
+}
+
 }  // namespace
 
 HeightMap GenerateTerrain(const TerrainConfig& config, int rows, int columns, double cell_size_m,
@@ -108,6 +124,7 @@ HeightMap GenerateTerrain(const TerrainConfig& config, int rows, int columns, do
   if (config.tilt_deg > 0) AddTilt(config.tilt_deg, stream, map);
   ShiftTo(config.mean_depth_m, map);
   RelaxToRepose(map, config.repose_deg);
+  if (config.strokes > 0) Excavate(config, stream, map);
   return map;
 }
 

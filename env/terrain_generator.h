@@ -17,6 +17,7 @@ struct TerrainConfig {
   double shape_height_m = 0.02;
   double tilt_deg = 0;
   double repose_deg = 33;
+  int64_t strokes = 0;
 
   void Fields(FieldList& f) {
     f.Add("mean_depth_m", mean_depth_m, "mean depth of the sand [m]", 0.005, 1);
@@ -29,12 +30,15 @@ struct TerrainConfig {
     f.Add("shape_height_m", shape_height_m, "height or depth of the largest shape [m]", 0, 0.5);
     f.Add("tilt_deg", tilt_deg, "the whole bed slopes by up to this, in any direction [deg]", 0, 30);
     f.Add("repose_deg", repose_deg, "no slope is steeper [deg]", 5, 60);
+    f.Add("strokes", strokes,
+          "strokes of the excavation routine through it, by the heightfield: a worked bed", 0, 1000);
   }
 };
 
-// Smooth noise at several scales, shapes and a slope, settled to repose. The mean depth is exact to rounding; no cell
-// is below a fifth of it (the amplitude gives way). Same stream, same bytes. Throws Error where a
-// value is out of range or the grid has less than 1 x 2 cells.
+// Smooth noise at several scales, shapes and a slope, settled to repose, then worked by strokes
+// (data/excavation.h). The mean depth is exact to rounding; before the strokes no cell is below a fifth of
+// it (the amplitude gives way). Same stream, same bytes. Throws Error where a value is out of range, the
+// grid has less than 1 x 2 cells or leaves no room for a stroke.
 HeightMap GenerateTerrain(const TerrainConfig& config, int rows, int columns, double cell_size_m,
                           RandomStream& stream);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include "data/base/atomic_file.h"
 #include "data/base/hdf5.h"
@@ -51,6 +52,16 @@ TEST(HeightMapTest, ResampleKeepsVolumeBothWays) {
     EXPECT_NEAR(other.width_m(), map.width_m(), 1e-12);
   }
   EXPECT_THAT([&] { Resample(map, 0.007); }, Fails("0.007 does not divide"));
+}
+
+TEST(HeightMapTest, SamplesOntoCellsOfAnySize) {
+  const HeightMap map = Plane(20, 30, 0.0038);
+  const HeightMap piece = SampleOnto(map, 0.02, 0.03, 3, 5, 0.01);
+  EXPECT_EQ(piece.rows, 3);
+  for (int row = 0; row < 3; ++row)  // the mean over a cell of a plane is its middle
+    for (int column = 0; column < 5; ++column)
+      EXPECT_NEAR(piece.At(row, column),
+                  0.02 + (column + 0.5) * 0.01 + 2 * (0.03 + (row + 0.5) * 0.01), 1e-6);
 }
 
 TEST(HeightMapTest, CropAndPasteAreInverse) {
@@ -162,8 +173,41 @@ TEST(TaskTest, BadTasksAreNamed) {
   task.goal.mask.assign(16, 1);
   task.max_strokes = 0;
   EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("max_strokes = 0"));
+  task.max_strokes = 1;
+  task.goal.height_m[6] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT([&] { CheckTask(task, "t"); },
+              Fails("t: the goal is NaN at row 1, column 2, where its mask counts"));
+  task.goal.mask[6] = 0;
+  CheckTask(task, "t");
+  task.goal.height_m[5] = -0.003f;
+  EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("the goal reaches 3.0 mm below the floor"));
+  task.goal.height_m.assign(16, 0.0f);
+  EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("the goal holds no sand"));
   task.goal = Plane(4, 5, 0.01);
   EXPECT_THAT([&] { CheckTask(task, "t"); }, Fails("they must be equal"));
+  task.goal = Plane(4, 4, 0.02);
+  EXPECT_THAT([&] { CheckTask(task, "t"); },
+              Fails("the terrain is 4 x 4 cells of 0.01 m, the goal 4 x 4 of 0.02 m"));
+}
+
+TEST(TaskTest, FilesNameTheirContentAndTheirSet) {
+  Task task{Plane(4, 4, 0.01), Plane(4, 4, 0.01), 7};
+  task.goal.mask.assign(16, 1);
+  WriteTasks({task}, Temp("set.h5"), "easy-1");
+  const H5::H5File file = OpenHdf5(Temp("set.h5"));
+  EXPECT_EQ(ReadText(file, "benchmark", "f"), "easy-1");
+  EXPECT_EQ(ReadText(file, "content_sha256", "f"), TasksSha256({task}));
+  EXPECT_EQ(TasksSha256(ReadTasks(Temp("set.h5"))), TasksSha256({task}));
+  std::set<std::string> hashes{TasksSha256({task}), TasksSha256({task, task})};
+  for (int change = 0; change < 4; ++change) {
+    Task other = task;
+    if (change == 0) other.terrain.height_m[3] += 1e-6f;
+    if (change == 1) other.goal.height_m[3] += 1e-6f;
+    if (change == 2) other.goal.mask[3] = 0;
+    if (change == 3) other.max_strokes = 8;
+    hashes.insert(TasksSha256({other}));
+  }
+  EXPECT_EQ(hashes.size(), 6u);
 }
 
 TEST(TaskTest, ForeignAndDamagedFilesAreNamed) {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "env/heightfield.h"
 
@@ -98,6 +99,42 @@ TEST_P(Conformance, ShapesAndRanges) {
     EXPECT_EQ(step.truncated.size(), n);
     for (float r : step.reward) EXPECT_LT(std::abs(r), 20);
   }
+}
+
+// The sand's cells, the observation's and the region are three choices.
+TEST_P(Conformance, SandObservationAndRegionHaveGridsOfTheirOwn) {
+  TaskConfig tasks;
+  tasks.width_m = 1.2;
+  tasks.depth_m = 0.8;
+  tasks.cell_size_m = 0.01;
+  tasks.goal_width_m = 0.3;
+  tasks.goal_depth_m = 0.2;
+  tasks.terrain.amplitude_m = 0.02;
+  ShapingConfig config = SmallConfig();
+  config.random_phase = false;
+  config.observation.rows = 24;
+  config.observation.columns = 40;
+  config.episode.region_width_m = 0.4;
+  config.episode.region_depth_m = 0.25;
+  ShapingEnv env(config, {.sand = *sand_}, TasksFrom(tasks));
+  EXPECT_EQ(env.observation_spec().map_size(), 5 * 24 * 40);
+  const ObservationBatch seen = env.Reset(3);
+  ASSERT_EQ(seen.map.size(), size_t{5 * 5 * 24 * 40});
+  const ShapingEnv::State state = env.state();
+  for (size_t i = 0; i < 5; ++i) {
+    const EpisodeState& episode = state.episodes[i];
+    EXPECT_EQ(episode.sand.map().rows, 80);
+    EXPECT_EQ(episode.sand.map().columns, 120);
+    EXPECT_NEAR(episode.region.width_m, 0.4, 1e-12);
+    EXPECT_NEAR(episode.region.depth_m, 0.25, 1e-12);
+    // Channel 3 is the mask: the goal's 300 x 200 mm of the region's 400 x 250 mm.
+    const auto mask = seen.map.begin() + static_cast<std::ptrdiff_t>((i * 5 + 3) * 24 * 40);
+    EXPECT_NEAR(std::accumulate(mask, mask + 24 * 40, 0.0) / (24 * 40), 0.6, 1e-5);
+  }
+  RandomStream stream(3);
+  const StepBatch step = env.Step(RandomActions(5, stream));
+  ASSERT_EQ(step.observation.map.size(), seen.map.size());
+  for (float x : step.observation.map) EXPECT_LT(std::abs(x), 10);
 }
 
 TEST_P(Conformance, SameSeedSameBytesWhateverTheThreads) {

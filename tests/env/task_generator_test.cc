@@ -8,6 +8,8 @@
 #include <numeric>
 #include <set>
 
+#include "env/random_strokes.h"
+
 namespace sandwright {
 namespace {
 
@@ -135,6 +137,65 @@ TEST(TaskGenerator, TasksAreFeasibleAndWithinTheDifficulty) {
   EXPECT_NEAR(sum_m / 60, 0.0055, 0.0005);  // spread over the range, not at one end
 }
 
+TEST(TaskGenerator, LettersAreReachableAndBothRaisedAndSunk) {
+  TaskConfig config;
+  config.goals = {"letters"};
+  int raised = 0;
+  for (uint64_t n = 0; n < 20; ++n) {
+    RandomStream stream(7, kTrainingTasks, n);
+    const Task task = GenerateTask(config, stream);
+    CheckTask(task, "task");
+    EXPECT_NEAR(MaskedVolumeDifference(task.terrain, task.goal), 0, 1e-5);
+    EXPECT_LE(SteepestFace(task.goal), 0.505);
+    // The corner is the plane beside the letters.
+    const auto [low, high] = std::ranges::minmax(task.goal.height_m);
+    raised += high - task.goal.At(0, 0) > task.goal.At(0, 0) - low;
+  }
+  EXPECT_GT(raised, 4);
+  EXPECT_LT(raised, 16);
+}
+
+TEST(TaskGenerator, AreaIsTheShareOfThePlaceThatCounts) {
+  TaskConfig config;
+  config.area_low = 0.3;
+  config.area_high = 0.7;
+  double sum = 0;
+  for (uint64_t n = 0; n < 40; ++n) {
+    RandomStream stream(7, kTrainingTasks, n);
+    const Task task = GenerateTask(config, stream);
+    const double share = std::accumulate(task.goal.mask.begin(), task.goal.mask.end(), 0) / 900.0;
+    EXPECT_GE(share, 0.3 * 0.94);  // sides are whole cells
+    EXPECT_LE(share, 0.7 * 1.06);
+    EXPECT_NEAR(MaskedVolumeDifference(task.terrain, task.goal), 0, 1e-5);
+    sum += share;
+  }
+  EXPECT_NEAR(sum / 40, 0.5, 0.06);
+}
+
+TEST(TaskGenerator, TerrainsOfUnknownFloorGetGoalsToo) {
+  HeightMap terrain(30, 30, 0.01, 0, Datum::kRelative);
+  terrain.At(3, 3) = -0.02f;
+  TaskConfig config;
+  config.goals = {"crater"};
+  RandomStream stream(1);
+  const Task task = GenerateGoal(config, terrain, stream);
+  const auto [low, high] = std::ranges::minmax(task.goal.height_m);
+  EXPECT_GT(high - low, 0.005);
+}
+
+TEST(TaskGenerator, DrawnGoalsTakeTheConfiguredPlace) {
+  TaskConfig config;
+  config.goal_width_m = 0.2;
+  config.goal_depth_m = 0.15;
+  cv::Mat grey = cv::Mat::zeros(30, 30, CV_32F);
+  grey(cv::Rect(8, 8, 14, 14)) = 1;
+  RandomStream stream(1);
+  const HeightMap terrain = DrawTerrain(config, stream);
+  const Task task = GenerateDrawnGoal(config, grey, 0.015, terrain, stream);
+  CheckTask(task, "task");
+  EXPECT_NEAR(std::accumulate(task.goal.mask.begin(), task.goal.mask.end(), 0), 15 * 15, 15);
+}
+
 TEST(TaskGenerator, StreamsDecideEverything) {
   const auto draw = [](uint64_t seed, uint64_t purpose, uint64_t index) {
     RandomStream stream(seed, purpose, index);
@@ -177,6 +238,16 @@ TEST(TaskGenerator, SaysWhatIsWrong) {
   };
   EXPECT_THAT(generate([](TaskConfig& c) { c.goals = {"pyramid"}; }),
               ThrowsMessage<Error>(HasSubstr("pyramid")));
+  EXPECT_THAT(generate([](TaskConfig& c) { c.goals = {"level", "pyramid"}; }),
+              ThrowsMessage<Error>(HasSubstr("\"pyramid\" is unknown; allowed: level, mound, crater, "
+                                             "trench, ridge, terrace, letters")));
+  EXPECT_THAT(generate([](TaskConfig& c) { c.area_high = 0.5; }),
+              ThrowsMessage<Error>(HasSubstr("area_high = 0.5; must be at least area_low = 1")));
+  EXPECT_THAT(generate([](TaskConfig& c) {
+                c.goals = {"letters"};
+                c.narrowest_m = 0.15;
+              }),
+              ThrowsMessage<Error>(HasSubstr("does not fit into")));
   EXPECT_THAT(generate([](TaskConfig& c) { c.goals.clear(); }),
               ThrowsMessage<Error>(HasSubstr("goals is empty")));
   EXPECT_THAT(generate([](TaskConfig& c) { c.difficulty_high_m = 0.001; }),

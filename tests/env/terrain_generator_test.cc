@@ -33,6 +33,27 @@ TEST(TerrainGenerator, MakesNaturalSandAtRest) {
   }
 }
 
+TEST(TerrainGenerator, StrokesWorkTheBedAndKeepItsSand) {
+  TerrainConfig config;
+  config.amplitude_m = 0.004;
+  RandomStream plain_stream(5), stream(5), again(5);
+  const HeightMap plain = GenerateTerrain(config, 30, 30, 0.01, plain_stream);
+  config.strokes = 8;
+  const HeightMap worked = GenerateTerrain(config, 30, 30, 0.01, stream);
+  EXPECT_EQ(worked.height_m, GenerateTerrain(config, 30, 30, 0.01, again).height_m);
+  double volume = 0, moved = 0;
+  for (size_t i = 0; i < plain.size(); ++i) {
+    volume += worked.height_m[i];
+    moved += std::abs(worked.height_m[i] - plain.height_m[i]);
+  }
+  EXPECT_NEAR(volume / 900, 0.05, 1e-6);
+  EXPECT_GT(moved / 900, 0.003);  // grooves of up to 30 mm and the heaps at their ends
+  HeightMap relaxed = worked;
+  RelaxToRepose(relaxed, config.repose_deg);
+  EXPECT_EQ(relaxed.height_m, worked.height_m);
+  EXPECT_THROW(GenerateTerrain(config, 8, 8, 0.01, stream), Error);  // no room for a stroke
+}
+
 TEST(TerrainGenerator, StreamsDecide) {
   RandomStream a(1), again(1), b(2);
   const HeightMap first = GenerateTerrain({}, 40, 40, 0.005, a);
