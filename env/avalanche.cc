@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "env/avalanche_kernel.h"
 
@@ -237,16 +236,24 @@ void Avalanche::Settle(double tan_angle) {
   }
 }
 
+CellRect LimitSlopes(HeightMap& map, const CellRect& rect, double tan_angle) {
+  std::vector<size_t> cells;
+  for (int row = rect.row0; row < rect.row1; ++row) {
+    for (int column = rect.column0; column < rect.column1; ++column)
+      cells.push_back(map.Index(row, column));
+  }
+  const HeightMap before = map;
+  Avalanche avalanche(before, map, 1);
+  avalanche.Disturb(cells);
+  avalanche.Settle(tan_angle);
+  return avalanche.touched();
+}
+
 void RelaxToRepose(HeightMap& map, double repose_deg) {
   if (!(repose_deg >= 5 && repose_deg <= 60))
     throw Error(fmt::format("angle of repose = {} degrees; allowed: 5..60", repose_deg));
   CheckHeightMap(map, "terrain");
-  std::vector<size_t> all(map.size());
-  std::iota(all.begin(), all.end(), size_t{0});
-  const HeightMap before = map;
-  Avalanche avalanche(before, map, 1);
-  avalanche.Disturb(all);
-  avalanche.Settle(std::tan(repose_deg * std::numbers::pi / 180));
+  LimitSlopes(map, {0, 0, map.rows, map.columns}, std::tan(repose_deg * std::numbers::pi / 180));
 }
 
 }  // namespace sandwright

@@ -69,6 +69,10 @@ class Avalanche {
   std::vector<float> flux_;             // scratch rows
 };
 
+// Lets the sand of `rect` that lies steeper than `tan_angle` flow until none does, by more than a share of
+// 1e-3; other sand holds what it lay at. Returns the cells that may have changed, `rect` included.
+CellRect LimitSlopes(HeightMap& map, const CellRect& rect, double tan_angle);
+
 // Brings a whole map to rest at the angle of repose (5..60 degrees, else Error).
 void RelaxToRepose(HeightMap& map, double repose_deg);
 

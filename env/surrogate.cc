@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "data/base/parallel.h"
+#include "env/avalanche.h"
 #include "env/blade_path.h"
 #include "env/coarse_heightfield.h"
 #include "env/model_config.h"
@@ -47,21 +49,23 @@ Surrogate::Surrogate(const SurrogateConfig& config, const Safetensors& parameter
 
 std::vector<Outcome> Surrogate::ApplyChecked(std::span<SandState> states,
                                              std::span<const ToolPath> paths) const {
-  const std::vector<SandState> before(states.begin(), states.end());
   std::vector<Outcome> outcomes(states.size());
-  if (config_.net.uses_heightfield())
-    outcomes = ApplyOnCoarseCells(heightfield_, static_cast<int>(config_.heightfield_cells), states,
-                                  paths);
+  // Each stroke from beginning to end on one thread, so that none waits for the others in between.
   ParallelFor(static_cast<int>(states.size()), static_cast<int>(config_.threads), [&](int index) {
     const auto i = static_cast<size_t>(index);
-    if (!config_.net.uses_heightfield()) {
-      const LimitedPath limited = LimitPath(paths[i], blade(), before[i].map());
+    const SandState before = states[i];
+    if (config_.net.uses_heightfield()) {
+      outcomes[i] =
+          ApplyOnCoarseCells(heightfield_, static_cast<int>(config_.heightfield_cells),
+                             states.subspan(i, 1), paths.subspan(i, 1))
+              .front();
+      if (outcomes[i].moved_volume_m3 == 0) return;  // it touches no sand and changes none
+    } else {
+      const LimitedPath limited = LimitPath(paths[i], blade(), before.map());
       outcomes[i].left_box = limited.left_box;
       outcomes[i].below_floor = limited.below_floor;
-    } else if (outcomes[i].moved_volume_m3 == 0) {
-      return;  // a stroke that touches no sand changes none
     }
-    Correct(before[i].map(), paths[i], states[i], outcomes[i]);
+    Correct(before.map(), paths[i], states[i], outcomes[i]);
   });
   return outcomes;
 }
@@ -93,6 +97,12 @@ void Surrogate::Correct(const HeightMap& before, const ToolPath& path, SandState
     AddResidual(input.window, std::move(said_m), config_.conserve_volume, map);
   }
   outcome.changed = Union(outcome.changed, input.window);
+  if (config_.steepest_over_repose > 0)
+    outcome.changed = Union(
+        outcome.changed,
+        LimitSlopes(map, input.window,
+                    config_.steepest_over_repose *
+                        std::tan(config_.heightfield.repose_deg * std::numbers::pi / 180)));
   outcome.moved_volume_m3 = MovedVolume(before, map, outcome.changed);
   state.Replace(std::move(map));
 }

@@ -16,7 +16,8 @@ struct SurrogateConfig {
   bool conserve_volume = true;  // what the net adds and takes is the same volume; fluxes do anyhow
   double reach_m = 0;           // of the net beyond the path; 0: the whole window
   int64_t heightfield_cells = 1;  // side of the heightfield's cells, in cells of the map
-  int64_t threads = 1;            // for a batch of strokes
+  double steepest_over_repose = 0;  // slopes that are left in the window; 0: any
+  int64_t threads = 1;              // for a batch of strokes
   SurrogateNetConfig net;
   HeightfieldConfig heightfield;  // what the net was trained on top of, its blade included
 
@@ -28,6 +29,10 @@ struct SurrogateConfig {
           1);
     f.Add("heightfield_cells", heightfield_cells,
           "side of the cells that the heightfield inside works on [cells of the maps]", 1, 8);
+    f.Add("steepest_over_repose", steepest_over_repose,
+          "what lies steeper in the window at the end flows until it does not, over the slope of "
+          "repose; 0: never",
+          0, 100);
     f.Add("threads", threads, "threads for a batch of strokes", 1, 1024);
     f.Section("net", net);
     f.Section("heightfield", heightfield);

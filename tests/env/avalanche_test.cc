@@ -179,6 +179,32 @@ TEST(Avalanche, SandNobodyTouchedLiesAsItIs) {
   EXPECT_NEAR(Volume(map) / Volume(before), 1, 1e-6);
 }
 
+// Two needles; only one stands in the rectangle.
+TEST(Avalanche, SlopesAreLimitedInARectangleOnly) {
+  const HeightMap before = Make(40, 60, [](double x, double y) {
+    return 10 + 0.9 * kTan * x / 3 + (std::abs(std::abs(x) - 20) < 0.6 && std::abs(y) < 1 ? 15 : 0);
+  });
+  HeightMap map = before;
+  const CellRect changed = LimitSlopes(map, {5, 0, 35, 25}, 3 * kTan);
+  EXPECT_NEAR(Volume(map) / Volume(before), 1, 1e-6);
+  double steepest = 0;
+  for (int row = 0; row < 40; ++row) {
+    for (int column = 0; column < 60; ++column) {
+      const bool inside = row >= changed.row0 && row < changed.row1 && column >= changed.column0 &&
+                          column < changed.column1;
+      EXPECT_TRUE(inside || map.At(row, column) == before.At(row, column)) << row << " " << column;
+      if (column < 25)
+        steepest = std::max(
+            steepest, std::abs(map.At(row, column + 1) - static_cast<double>(map.At(row, column))));
+    }
+  }
+  EXPECT_LT(steepest, 3 * kTan * kCell * 1.0015);
+  EXPECT_LT(changed.column1, 40);
+  HeightMap again = map;
+  LimitSlopes(again, {5, 0, 35, 25}, 3.01 * kTan);
+  EXPECT_EQ(again.height_m, map.height_m);
+}
+
 TEST(Avalanche, NoSandPassesClosedFaces) {
   HeightMap map = Make(10, 20, [](double x, double) { return x < 0 ? 20 : 0; });
   std::vector<CellFace> wall;

@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "data/base/random.h"
 #include "env/fit_samples.h"
+#include "env/random_strokes.h"
 
 namespace sandwright {
 namespace {
@@ -264,6 +267,39 @@ TEST_P(SurrogateArchitecture, KeepsVolumeAndFloorUnderWildWeights) {
     for (float h : after.height_m) ASSERT_GE(h, 0);
     EXPECT_EQ(after.At(2, 2), bed.At(2, 2));
   }
+}
+
+double SteepestOverRepose(const HeightMap& map) {
+  return SteepestFace(map) / std::tan(HeightfieldConfig().repose_deg * std::numbers::pi / 180);
+}
+
+TEST(Surrogate, LimitsTheSlopesItLeavesOnAnyNumberOfThreads) {
+  SurrogateConfig config = SmallConfig();
+  config.conserve_volume = true;
+  const Safetensors wild = RandomParameters(config.net, 0);
+  const HeightMap bed = Bumpy(75, 75);
+  ASSERT_GT(SteepestOverRepose(Apply(Surrogate(config, wild, "test"), bed, Curve())), 3);
+  config.steepest_over_repose = 2;
+  const HeightMap after = Apply(Surrogate(config, wild, "test"), bed, Curve());
+  EXPECT_LT(SteepestOverRepose(after), 2 * 1.0015);
+  EXPECT_NEAR(Volume(after), Volume(bed), 2e-6 * Volume(bed));
+  EXPECT_GE(*std::ranges::min_element(after.height_m), 0);
+  config.threads = config.heightfield.threads = 3;
+  std::vector<SandState> states(5, SandState(bed));
+  const std::vector<Stroke> strokes(5, Curve());
+  Surrogate(config, wild, "test").Apply(states, strokes);
+  for (const SandState& state : states) EXPECT_EQ(state.map().height_m, after.height_m);
+}
+
+TEST(Surrogate, TheLimitOnSlopesDoesNothingBelowIt) {
+  SurrogateConfig config = SmallConfig();
+  Safetensors silent = RandomParameters(config.net, 0);
+  for (float& w : silent.tensors["head.weight"].values) w = 0;
+  const HeightMap bed = Bumpy(75, 75);
+  const HeightMap free = Apply(Surrogate(config, silent, "test"), bed, Curve());
+  ASSERT_LT(SteepestOverRepose(free), 1.5);
+  config.steepest_over_repose = 1.5;
+  EXPECT_EQ(Apply(Surrogate(config, silent, "test"), bed, Curve()).height_m, free.height_m);
 }
 
 TEST(Surrogate, DirectKnowsNoHeightfieldAndReportsItsLimits) {
