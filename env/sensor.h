@@ -7,7 +7,7 @@
 
 namespace sandwright {
 
-// All off by default. configs/sensor_kinect2.yaml has what a Kinect v2 and `scan` leave.
+// All off by default. docs/environment.md has what a Kinect v2 and `scan` leave.
 struct SensorConfig {
   double noise_m = 0;
   double registration_m = 0;
