@@ -8,7 +8,6 @@
 
 #include "data/base/stop.h"
 #include "env/load_gate.h"
-#include "env/reference_bench.h"
 #include "env/shaping_env.h"
 
 namespace sandwright {
@@ -148,7 +147,6 @@ void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann:
         done(MeasureScene(bench, scene, world, threads));
     }
   }
-  RunReferenceBench(bench.seconds, done);
 }
 
 }  // namespace sandwright

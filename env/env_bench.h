@@ -1,4 +1,4 @@
-// Speed of the shaping environment and of the reference tasks: the rows of `bench --suite env`.
+// Speed of the shaping environment: rows of `bench --suite env`.
 #pragma once
 
 #include <functional>
@@ -20,8 +20,7 @@ struct EnvBench {
 // Random strokes through 32 environments of the small scene and of the whole box, behind the gate of
 // the shipped workcells, with tasks made at each reset: strokes a second of the wall clock, of
 // processor time, and what share of a step the parts took (sand, gate, observation; the rest is
-// decoding, reward, resets). Then RunReferenceBench. Each row is given to `done` as it comes. Ctrl-C
-// throws kInterrupted.
+// decoding, reward, resets). Each row is given to `done` as it comes. Ctrl-C throws kInterrupted.
 void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann::json&)>& done);
 
 }  // namespace sandwright

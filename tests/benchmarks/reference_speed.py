@@ -24,7 +24,7 @@ COUNTS, ROUNDS, SECONDS, STEPS = (8, 64), 3, 0.5, 64
 def machine():
     lines = Path("/proc/cpuinfo").read_text().splitlines()
     cpu = next(line.split(": ")[1] for line in lines if line.startswith("model name"))
-    return {"cpu": cpu, "threads": os.cpu_count()}
+    return {"cpu": cpu, "threads": os.cpu_count(), "load_average": os.getloadavg()[0]}
 
 
 def rate(env, actions):

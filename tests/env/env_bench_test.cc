@@ -13,20 +13,13 @@ TEST(EnvBench, RatesAndSharesOfAStep) {
   bench.seconds = 0.05;
   std::vector<nlohmann::json> rows;
   RunEnvBench(bench, [&](const nlohmann::json& row) { rows.push_back(row); });
-  ASSERT_EQ(rows.size(), 2 * 2 + 6u);  // scenes x threads, and the reference tasks
-  for (size_t i = 0; i < 4; ++i) {
+  ASSERT_EQ(rows.size(), 2 * 2u);  // scenes x threads
+  for (size_t i = 0; i < rows.size(); ++i) {
     EXPECT_GT(rows[i]["strokes_per_second"], 1) << rows[i];
     EXPECT_GT(rows[i]["share_sand"], 0) << rows[i];
     EXPECT_LT(rows[i]["share_sand"], 1) << rows[i];
     EXPECT_GT(rows[i]["gate_ms_per_stroke"], 0) << rows[i];
     EXPECT_GE(rows[i]["rejected_share"], 0) << rows[i];
-  }
-  EXPECT_EQ(rows[4]["name"], "CartPole-v1");
-  EXPECT_EQ(rows[8]["name"], "HalfCheetah-v5");
-  for (size_t i = 4; i < rows.size(); ++i) {
-    EXPECT_GT(rows[i]["core_us"], 0) << rows[i];
-    EXPECT_LT(rows[i]["step_us"], 5000) << rows[i];
-    EXPECT_GT(rows[i]["core_share"], 0) << rows[i];
   }
 }
 
