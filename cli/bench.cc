@@ -13,6 +13,7 @@
 #include "env/grain_checks.h"
 #include "env/load_sand_model.h"
 #include "env/random_strokes.h"
+#include "env/reference_bench.h"
 #include "env/sand_bench.h"
 #include "env/stress_rollouts.h"
 
@@ -28,10 +29,11 @@ class BenchCommand final : public Command {
   void Declare(CLI::App& app) override {
     app.add_option(
            "--suite", suites_,
-           "what to measure, one or several: sand; env (the shaping environment); grains (a check of "
+           "what to measure, one or several: sand; env (the shaping environment, then reference); "
+           "reference (Gymnasium's tasks); grains (a check of "
            "the grains, slow) and coarse (coarser grains on --data, slow), which need LAMMPS; hard (random strokes); surrogate "
            "(rollouts of --model on the worst beds); all")
-        ->check(CLI::IsMember({"sand", "env", "grains", "coarse", "hard", "surrogate", "all"}))
+        ->check(CLI::IsMember({"sand", "env", "reference", "grains", "coarse", "hard", "surrogate", "all"}))
         ->capture_default_str();
     app.add_option("--data", data_, "stroke files or folders: errors on recorded strokes too");
     app.add_option("--strokes", strokes_,
@@ -58,6 +60,7 @@ class BenchCommand final : public Command {
     if (!data_.empty()) bench_.data = FindStrokeFiles(data_);
     if (Wants("sand")) RunSand();
     if (Wants("env")) RunEnv();
+    if (Wants("env") || Wants("reference")) RunReference();
     if (Wants("coarse")) RunCoarse();
     if (Wants("grains")) RunGrains();
     if (Wants("hard")) RunHard();
@@ -86,11 +89,18 @@ class BenchCommand final : public Command {
     bench.sand.dem = bench_.dem;
     bench.threads = threads();
     bench.random_steps = strokes_.value_or(0);
-    RunEnvBench(bench, [this](const nlohmann::json& row) {
-      fmt::print("{}\n", row.dump());
-      std::fflush(stdout);
-      Keep("env", row);
-    });
+    RunEnvBench(bench, [this](const nlohmann::json& row) { Show("env", row); });
+  }
+
+  void RunReference() {
+    constexpr double kSeconds = 2;
+    RunReferenceBench(kSeconds, [this](const nlohmann::json& row) { Show("reference", row); });
+  }
+
+  void Show(const char* suite, const nlohmann::json& row) {
+    fmt::print("{}\n", row.dump());
+    std::fflush(stdout);
+    Keep(suite, row);
   }
 
   void RunCoarse() {

@@ -12,7 +12,6 @@
 #include "data/base/stop.h"
 #include "env/load_gate.h"
 #include "env/random_steps.h"
-#include "env/reference_bench.h"
 #include "env/shaping_env.h"
 
 namespace sandwright {
@@ -208,7 +207,6 @@ void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann:
       if (bench.random_steps > 0) done(StepAtRandom(bench, scene, world));
     }
   }
-  RunReferenceBench(bench.seconds, done);
 }
 
 }  // namespace sandwright

@@ -1,4 +1,4 @@
-// Speed of the shaping environment and of the reference tasks: the rows of `bench --suite env`.
+// Speed of the shaping environment: rows of `bench --suite env`.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,7 @@ struct EnvBench {
 // the shipped workcells, with tasks made at each reset: strokes a second of the wall clock, of
 // processor time, and what share of a step the parts took (sand, gate, observation; the rest is
 // decoding, reward, resets); then the memory of an environment, and RunRandomSteps with every fault of
-// sensor and arm on. Last RunReferenceBench. Each row is given to `done` as it comes. Ctrl-C
+// sensor and arm on. Each row is given to `done` as it comes. Ctrl-C
 // throws kInterrupted.
 void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann::json&)>& done);
 

@@ -6,10 +6,10 @@
 
 namespace sandwright {
 
-// Random actions through ReferenceVecEnv on one thread and, step by step in turn, through its core alone: the
-// task without the batch, and for MuJoCo's bodies mj_step on the same controls from the same starts
-// (equal to float32, so that ways part as chaos has it). Seconds of one run of each task; the median of five counts. Each
-// row is given to `done` as it comes. Ctrl-C throws kInterrupted.
+// Random actions through ReferenceVecEnv on one thread and, step by step in turn, through its core
+// alone: the task without the batch, and for MuJoCo's bodies mj_step on the same controls from the
+// same starts (equal to float32, so that ways part as chaos has it). `seconds` of one run; the median
+// of five counts. Each row is given to `done` as it comes. Ctrl-C throws kInterrupted.
 void RunReferenceBench(double seconds, const std::function<void(const nlohmann::json&)>& done);
 
 }  // namespace sandwright

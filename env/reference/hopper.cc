@@ -12,8 +12,8 @@ class Hopper final : public ReferenceTask {
  public:
   explicit Hopper(int version)
       : spec_{"Hopper-v" + std::to_string(version),
-              {"height_m", "pitch_rad", "thigh_rad", "knee_rad", "ankle_rad", "speed_mps", "climb_mps",
-               "pitch_radps", "thigh_radps", "knee_radps", "ankle_radps"},
+              {"height_m", "pitch_rad", "thigh_rad", "knee_rad", "ankle_rad", "speed_mps",
+               "climb_mps", "pitch_radps", "thigh_radps", "knee_radps", "ankle_radps"},
               0, 3, 1, 1000},
         paid_when_fallen_(version == 4) {}
 

@@ -1,4 +1,5 @@
-// half_cheetah.xml and hopper.xml, carried along so that the program needs no file of its own at run time.
+// half_cheetah.xml and hopper.xml, carried along so that the program needs no file of its own at run
+// time.
 #pragma once
 
 namespace sandwright {

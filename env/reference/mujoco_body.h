@@ -1,5 +1,6 @@
-// A body that MuJoCo moves in the vertical plane, as Gymnasium steps it: what HalfCheetah and Hopper share.
-// Gymnasium also computes forces after a step (mj_rnePostConstraint), which change nothing that is shown.
+// A body that MuJoCo moves in the vertical plane, as Gymnasium steps it: what HalfCheetah and Hopper
+// share. Gymnasium also computes forces after a step (mj_rnePostConstraint), which change nothing
+// that is shown.
 #pragma once
 
 #include <span>
@@ -11,7 +12,7 @@ namespace sandwright {
 // half_cheetah.xml and hopper.xml, compiled once for all environments.
 const mjModel& HalfCheetahModel();
 const mjModel& HopperModel();
-inline constexpr int kHalfCheetahFrames = 5, kHopperFrames = 4;  // simulation steps in one of the task
+inline constexpr int kHalfCheetahFrames = 5, kHopperFrames = 4;  // mj_step in a step
 
 class MujocoBody {
  public:

@@ -1,5 +1,5 @@
-// The ziggurat of Marsaglia and Tsang ("The ziggurat method for generating random variables", 2000) in 256
-// layers of equal area, the lowest with the tail beyond kEdge.
+// The ziggurat of Marsaglia and Tsang ("The ziggurat method for generating random variables", 2000)
+// in 256 layers of equal area, the lowest with the tail beyond kEdge.
 #include "env/reference/numpy_normal.h"
 
 #include <array>

@@ -36,15 +36,17 @@ std::unique_ptr<ReferenceTask> MakeReferenceTask(const std::string& name) {
   for (const Entry& entry : kTasks) {
     if (name == entry.name) return entry.make();
   }
-  throw Error(fmt::format("unknown task '{}'; allowed: {}", name, fmt::join(ReferenceTaskNames(), ", ")));
+  throw Error(fmt::format("unknown task '{}'; allowed: {}", name,
+                          fmt::join(ReferenceTaskNames(), ", ")));
 }
 
 void CheckAction(const ReferenceSpec& spec, std::span<const float> action) {
+  const auto end = static_cast<float>(spec.choices);
   for (const float value : action) {
     if (spec.choices == 0 && !std::isfinite(value))
       throw Error(fmt::format("{}: action {}; allowed: finite numbers", spec.name, value));
-    if (spec.choices > 0 && !(value >= 0 && value < static_cast<float>(spec.choices) && value == std::floor(value)))
-      throw Error(fmt::format("{}: action {}; allowed: 0..{}, whole", spec.name, value, spec.choices - 1));
+    if (spec.choices > 0 && !(value >= 0 && value < end && value == std::floor(value)))
+      throw Error(fmt::format("{}: action {}; allowed: 0..{}, whole", spec.name, value, end - 1));
   }
 }
 

@@ -1,5 +1,5 @@
-// Gymnasium's tasks that trainers are compared on, equal to it in the last bit of float32, so that ours can be
-// held against published scores. One task is one file beside this one.
+// Gymnasium's tasks that trainers are compared on, equal to it in the last bit of float32, so that
+// ours can be held against published scores. One task is one file beside this one.
 #pragma once
 
 #include <memory>
@@ -32,8 +32,8 @@ class ReferenceTask {
   virtual const ReferenceSpec& spec() const = 0;
   // Draws what Gymnasium draws from the generator of the same seed.
   virtual void Reset(NumpyRandom& random, std::span<float> observation) = 0;
-  // `action` [spec().action_size]: one that CheckAction lets pass. Beyond +-action_limit each task does what
-  // Gymnasium's does.
+  // `action` [spec().action_size]: one that CheckAction lets pass. Beyond +-action_limit each task
+  // does what Gymnasium's does.
   virtual ReferenceStep Step(std::span<const float> action, std::span<float> observation) = 0;
 };
 

@@ -13,9 +13,11 @@ namespace sandwright {
 
 ReferenceVecEnv::ReferenceVecEnv(const std::string& name, int num_envs, int threads)
     : threads_(threads) {
-  if (num_envs < 1) throw Error(fmt::format("{}: {} environments; allowed: 1 or more", name, num_envs));
+  if (num_envs < 1)
+    throw Error(fmt::format("{}: {} environments; allowed: 1 or more", name, num_envs));
   if (threads < 1) throw Error(fmt::format("{}: {} threads; allowed: 1 or more", name, threads));
-  for (int i = 0; i < num_envs; ++i) rows_.push_back({MakeReferenceTask(name), NumpyRandom(0), {}, {}});
+  for (int i = 0; i < num_envs; ++i)
+    rows_.push_back({MakeReferenceTask(name), NumpyRandom(0), {}, {}});
   observation_spec_.numbers = spec().observation;
   observation_spec_.vec_high = std::numeric_limits<float>::infinity();
   observation_spec_.vec_low = -observation_spec_.vec_high;
@@ -53,7 +55,7 @@ void ReferenceVecEnv::StepRow(size_t i, std::span<const float> action_na, StepBa
   batch.terminated[i] = step.terminated;
   batch.truncated[i] = !step.terminated && row.episode.length >= spec().max_steps;
   if (!batch.terminated[i] && !batch.truncated[i]) return;
-  std::ranges::copy(seen, batch.final_observation.vec.begin() + static_cast<std::ptrdiff_t>(i * size));
+  std::ranges::copy(seen, std::span(batch.final_observation.vec).subspan(i * size).begin());
   row.finished = std::exchange(row.episode, {});
   row.task->Reset(row.random, seen);
 }
@@ -65,7 +67,8 @@ StepBatch ReferenceVecEnv::Step(std::span<const float> action_na) {
   std::vector<float> scaled(action_na.begin(), action_na.end());
   for (float& value : scaled) value *= static_cast<float>(spec().action_limit);
   const ObservationBatch empty{{}, std::vector<float>(n * spec().observation.size())};
-  StepBatch batch{empty, empty, std::vector<float>(n), std::vector<uint8_t>(n), std::vector<uint8_t>(n), {}};
+  const std::vector<uint8_t> none(n);
+  StepBatch batch{empty, empty, std::vector<float>(n), none, none, {}};
   ForRows([&](size_t i) { StepRow(i, std::span(scaled).subspan(i * size, size), batch); });
   for (size_t i = 0; i < n; ++i) {
     if (batch.terminated[i] || batch.truncated[i]) batch.finished.push_back(rows_[i].finished);

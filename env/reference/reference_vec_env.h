@@ -6,9 +6,11 @@
 
 namespace sandwright {
 
-// As Gymnasium's SyncVectorEnv with AutoresetMode.SAME_STEP: row i starts from the generator of seed + i and goes
-// on with it from episode to episode; results do not depend on `threads`. Two differences: numbers in an
-// action are shares of ReferenceSpec::action_limit, and a row that terminates at the last step is not truncated as well.
+// As Gymnasium's SyncVectorEnv with AutoresetMode.SAME_STEP: row i starts from the generator of
+// seed + i and goes on with it from episode to episode; results do not depend on `threads`, which
+// are started anew in each step and so pay on MuJoCo's bodies only. Two differences: numbers in an
+// action are shares of ReferenceSpec::action_limit, and a row that terminates in its last step is
+// not truncated as well. The constructor resets by seed 0.
 class ReferenceVecEnv final : public VecEnv {
  public:
   // `name` as MakeReferenceTask takes it. Throws Error for another one and for less than one row.

@@ -14,7 +14,7 @@ TEST(EnvBench, RatesAndSharesOfAStep) {
   bench.random_steps = 64;
   std::vector<nlohmann::json> rows;
   RunEnvBench(bench, [&](const nlohmann::json& row) { rows.push_back(row); });
-  ASSERT_EQ(rows.size(), 2 * 2 + 2 * 2 + 6u);  // scenes x threads; memory, random steps; reference tasks
+  ASSERT_EQ(rows.size(), 2 * 2 + 2 * 2u);  // scenes x threads; memory and random steps of each
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_GT(rows[i]["strokes_per_second"], 1) << rows[i];
     EXPECT_GT(rows[i]["share_sand"], 0) << rows[i];
@@ -26,13 +26,6 @@ TEST(EnvBench, RatesAndSharesOfAStep) {
     EXPECT_GT(rows[i]["kib_per_environment"], 1) << rows[i];
     EXPECT_EQ(rows[i + 1]["steps"], 64) << rows[i + 1];
     EXPECT_EQ(rows[i + 1]["sound"], true) << rows[i + 1];
-  }
-  EXPECT_EQ(rows[8]["name"], "CartPole-v1");
-  EXPECT_EQ(rows[12]["name"], "HalfCheetah-v5");
-  for (size_t i = 8; i < rows.size(); ++i) {
-    EXPECT_GT(rows[i]["core_us"], 0) << rows[i];
-    EXPECT_LT(rows[i]["step_us"], 5000) << rows[i];
-    EXPECT_GT(rows[i]["core_share"], 0) << rows[i];
   }
 }
 

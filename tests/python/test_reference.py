@@ -102,7 +102,7 @@ def test_the_models_are_gymnasiums(name, total_kg):
     unseen = ("tex", "mat_", "light", "cam_", "name", "geom_rgba", "geom_matid", "geom_user")
     sizes = ("narena", "nbuffer", "ncam", "nlight", "nmat", "nnames", "ntex", "nuser_geom", "signature")
     compared = 0
-    for part in ("", "opt"):
+    for part in ("", "opt"):  # MuJoCo: `stat` does not affect the simulation
         model, other = (getattr(m, part) if part else m for m in (theirs, ours))
         for field in dir(model):
             value = getattr(model, field)
