@@ -1,6 +1,7 @@
 // sandwright tasks: task files, from scanned or generated terrains and given or generated goals, or a
 // fixed set.
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -82,6 +83,7 @@ class TasksCommand final : public Command {
       throw Error("--scans DIR belongs to --set real, and only there");
     if (set_ != "real") return MakeBenchmark(set_, threads());
     const ScanFolder folder = ReadScanFolder(scans_, scan_config_);
+    spdlog::info("{} scans: {}", folder.files.size(), fmt::join(folder.files, ", "));
     for (const std::string& refusal : folder.refusals) spdlog::warn("left out: {}", refusal);
     return MakeRealBenchmark(folder.maps);
   }
