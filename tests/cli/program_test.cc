@@ -131,6 +131,7 @@ TEST_F(ProgramTest, TaskSetsAreFixed) {
   refused("--set easy --seed 3", "--set easy is fixed: --seed and the keys tasks have no effect");
   refused("--set easy tasks.max_strokes=3", "--set easy is fixed");
   refused("--set easy --scans " + Path(""), "--scans DIR belongs to --set real");
+  refused("--set easy --picture " + Path("a.jpg"), "the name must end in .png");
   refused("--set real", "--scans DIR belongs to --set real");
   refused("--set real --scans " + Path("none"), "none: no such folder");
   EXPECT_FALSE(std::filesystem::exists(Path("c.h5")));
@@ -148,6 +149,8 @@ TEST_F(ProgramTest, DrawingsBecomeGoals) {
   ASSERT_EQ(Invoke("tasks --generate --count 3" + flags + " --range-mm 15").exit_code, 0);
   EXPECT_EQ(ReadTasks(Path("t.h5")).size(), 3u);
   EXPECT_EQ(Invoke("tasks --generate" + flags).exit_code, 2);  // how high?
+  EXPECT_THAT(Invoke("tasks --generate" + flags + " --range-mm 0").output,
+              HasSubstr("--range-mm 0 makes nothing of a drawing"));
   cv::cvtColor(grey, grey, cv::COLOR_GRAY2BGR);
   cv::imwrite(Path("disc.png"), grey);
   EXPECT_THAT(Invoke("tasks --generate" + flags + " --range-mm 15"),
