@@ -1,13 +1,14 @@
 // sandwright tasks: task files, from scanned or generated terrains and given or generated goals, or a
 // fixed set.
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <numeric>
 
 #include "cli/command.h"
-#include "data/base/parallel.h"
+#include "cli/task_request.h"
 #include "data/drawing.h"
 #include "data/picture.h"
 #include "data/scan_folder.h"
@@ -22,17 +23,17 @@ constexpr size_t kPictured = 24;
 class TasksCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    auto* terrain = app.add_option("--terrain", terrain_files_, "height map files, one or more");
-    auto* generate = app.add_flag("--generate", generate_, "random terrains");
+    auto* terrain = app.add_option("--terrain", request_.terrain_files, "height map files, one or more");
+    auto* generate = app.add_flag("--generate", request_.generate, "random terrains");
     auto* set = app.add_option("--set", set_, "a fixed set: easy, hard, scanned or real");
     auto* scans = app.add_option("--scans", scans_, "folder of the scans that set real is cut from");
-    auto* goal = app.add_option("--goal", goal_file_, "goal for every terrain: a height map file");
+    auto* goal = app.add_option("--goal", request_.goal_file, "goal for every terrain: a height map file");
     auto* goals = app.add_option("--goals", kinds_, "kinds of random goals, separated by commas")
                       ->delimiter(',');
     auto* image = app.add_option("--goal-image", image_, "goal for every terrain: a grey picture");
     auto* range = app.add_option("--range-mm", range_mm_, "its white above its black; negative: below")
                       ->check(CLI::Range(-500.0, 500.0));
-    auto* count = app.add_option("--count", count_, "tasks (default: one a terrain; 10 with --generate)")
+    auto* count = app.add_option("--count", request_.count, "tasks (default: one a terrain; 10 with --generate)")
                       ->check(CLI::Range(1, 1000000));
     app.add_option("--out", out_, "task file to write")->required();
     app.add_option("--picture", picture_, "PNG of the first 24 tasks to write: terrain and goal");
@@ -50,16 +51,19 @@ class TasksCommand final : public Command {
 
   int Run() override {
     if (!kinds_.empty()) config_.goals = kinds_;
-    if (!image_.empty()) drawing_ = ReadDrawing(image_);
-    const Benchmark made = set_.empty() ? Benchmark{"", DrawnTasks()} : FixedSet();
+    if (!image_.empty() && range_mm_ == 0) throw Error("--range-mm 0 makes nothing of a drawing");
+    if (!image_.empty()) request_.drawing = ReadDrawing(image_);
+    request_.range_m = 1e-3 * range_mm_;
+    request_.random_goals = !kinds_.empty();
+    const Benchmark made = set_.empty() ? Benchmark{"", MakeTasks(request_, config_, seed(), threads())} : FixedSet();
     std::vector<double> error_mm;
     for (const Task& task : made.tasks) error_mm.push_back(1e3 * GoalError(task.terrain, task.goal));
     const double mean_mm = std::accumulate(error_mm.begin(), error_mm.end(), 0.0) /
                            static_cast<double>(error_mm.size());
     const std::string content = TasksSha256(made.tasks);
-    WriteTasks(made.tasks, out_, made.id);
     if (!picture_.empty())
       WritePicture(DrawTasks(std::span(made.tasks).first(std::min(kPictured, made.tasks.size()))), picture_);
+    WriteTasks(made.tasks, out_, made.id);
     fmt::print("{}{} tasks, goal error {:.1f} mm ({:.1f} to {:.1f}): {}\ncontent sha256 {}\n",
                made.id.empty() ? "" : made.id + ": ", made.tasks.size(), mean_mm,
                std::ranges::min(error_mm), std::ranges::max(error_mm), out_, content);
@@ -82,63 +86,17 @@ class TasksCommand final : public Command {
       throw Error("--scans DIR belongs to --set real, and only there");
     if (set_ != "real") return MakeBenchmark(set_, threads());
     const ScanFolder folder = ReadScanFolder(scans_, scan_config_);
+    spdlog::info("{} scans: {}", folder.files.size(), fmt::join(folder.files, ", "));
     for (const std::string& refusal : folder.refusals) spdlog::warn("left out: {}", refusal);
     return MakeRealBenchmark(folder.maps);
   }
 
-  std::vector<Task> DrawnTasks() const {
-    if (terrain_files_.empty() && !generate_)
-      throw Error("tasks needs --terrain FILE..., --generate or --set NAME");
-    if (!generate_ && goal_file_.empty() && kinds_.empty() && drawing_.empty())
-      throw Error("--terrain needs --goal FILE, --goals KIND,... or --goal-image FILE");
-    const int given = generate_ ? 10 : static_cast<int>(terrain_files_.size());
-    const int count = count_ > 0 ? count_ : given;
-    if (!goal_file_.empty() && count > given)
-      throw Error(
-          fmt::format("--count {} with one --goal would repeat tasks; at most {}, the terrains",
-                      count, given));
-    const std::vector<HeightMap> terrains = ReadTerrains();
-    std::vector<Task> tasks(static_cast<size_t>(count));
-    ParallelFor(count, threads(), [&](int i) {
-      RandomStream stream(seed(), kEvaluationTasks, static_cast<uint64_t>(i));
-      const size_t n = static_cast<size_t>(i), from = generate_ ? 0 : n % terrains.size();
-      if (generate_ && drawing_.empty()) {
-        tasks[n] = GenerateTask(config_, stream);
-        return;
-      }
-      tasks[n] = TaskOn(generate_ ? DrawTerrain(config_, stream) : terrains[from], stream);
-      CheckTask(tasks[n], generate_ ? fmt::format("task {}", n) : terrain_files_[from] + " and its goal");
-    });
-    return tasks;
-  }
-
-  std::vector<HeightMap> ReadTerrains() const {
-    std::vector<HeightMap> terrains;
-    for (const std::string& file : terrain_files_) {
-      terrains.push_back(ReadHeightMap(file));
-      if (terrains.back().cell_size_m != terrains[0].cell_size_m)
-        throw Error(fmt::format("{}: cell_size_m = {}; {} has {}, and a task file holds one size",
-                                file, terrains.back().cell_size_m, terrain_files_[0],
-                                terrains[0].cell_size_m));
-    }
-    return terrains;
-  }
-
-  Task TaskOn(const HeightMap& terrain, RandomStream& stream) const {
-    if (!drawing_.empty())
-      return GenerateDrawnGoal(config_, drawing_, 1e-3 * range_mm_, terrain, stream);
-    if (goal_file_.empty()) return GenerateGoal(config_, terrain, stream);
-    return {terrain, ReadGoal(goal_file_), static_cast<int>(config_.max_strokes)};
-  }
-
   TaskConfig config_;
   ScanFolderConfig scan_config_;
-  std::vector<std::string> terrain_files_, kinds_;
-  std::string goal_file_, image_, set_, scans_, out_, picture_;
-  cv::Mat drawing_;
+  TaskRequest request_;
+  std::vector<std::string> kinds_;
+  std::string image_, set_, scans_, out_, picture_;
   double range_mm_ = 0;
-  bool generate_ = false;
-  int count_ = 0;
 };
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "data/base/atomic_file.h"
 #include "data/depth_frame.h"
@@ -107,6 +109,72 @@ TEST_F(ProgramTest, ResultsCarryConfigSeedAndMachine) {
                 .exit_code,
             0);
   EXPECT_EQ(ReadFile(Path("t.h5")), first);
+}
+
+TEST_F(ProgramTest, TaskSetsAreFixed) {
+  const auto make = [&](const std::string& name, const std::string& more) {
+    return Invoke("tasks --set easy --out " + Path(name) + more);
+  };
+  const Finished run = make("a.h5", " --threads 1 --picture " + Path("a.png") + " --json " + Path("a.json"));
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  ASSERT_EQ(make("b.h5", " --threads 3").exit_code, 0);
+  EXPECT_EQ(ReadFile(Path("a.h5")), ReadFile(Path("b.h5")));
+  EXPECT_TRUE(ReadFile(Path("a.png")).starts_with("\x89PNG"));
+  const auto json = nlohmann::json::parse(ReadFile(Path("a.json")));
+  EXPECT_EQ(json["benchmark"], "easy-1");
+  EXPECT_EQ(json["content_sha256"], TasksSha256(ReadTasks(Path("a.h5"))));
+  const auto refused = [&](const std::string& arguments, const std::string& text) {
+    EXPECT_THAT(Invoke("tasks --out " + Path("c.h5") + " " + arguments),
+                AllOf(Field(&Finished::exit_code, 2), Field(&Finished::output, HasSubstr(text))));
+  };
+  refused("--set medium", "task set \"medium\" is unknown; allowed: easy, hard, scanned, real");
+  refused("--set easy --seed 3", "--set easy is fixed: --seed and the keys tasks have no effect");
+  refused("--set easy tasks.max_strokes=3", "--set easy is fixed");
+  refused("--set easy --scans " + Path(""), "--scans DIR belongs to --set real");
+  refused("--set easy --picture " + Path("a.jpg"), "the name must end in .png");
+  refused("--set real", "--scans DIR belongs to --set real");
+  refused("--set real --scans " + Path("none"), "none: no such folder");
+  EXPECT_FALSE(std::filesystem::exists(Path("c.h5")));
+}
+
+TEST_F(ProgramTest, DrawingsBecomeGoals) {
+  cv::Mat grey = cv::Mat::zeros(60, 60, CV_8U);
+  cv::circle(grey, {30, 30}, 15, cv::Scalar(255), cv::FILLED);
+  cv::imwrite(Path("disc.png"), grey);
+  WriteHeightMap(HeightMap(30, 30, 0.01, 0.05f), Path("bed.h5"));
+  const std::string flags = " --out " + Path("t.h5") + " --goal-image " + Path("disc.png");
+  ASSERT_EQ(Invoke("tasks --terrain " + Path("bed.h5") + flags + " --range-mm 15").exit_code, 0);
+  const Task task = ReadTasks(Path("t.h5")).at(0);
+  EXPECT_NEAR(task.goal.At(15, 15) - task.goal.At(1, 1), 0.015, 1e-4);
+  ASSERT_EQ(Invoke("tasks --generate --count 3" + flags + " --range-mm 15").exit_code, 0);
+  EXPECT_EQ(ReadTasks(Path("t.h5")).size(), 3u);
+  EXPECT_EQ(Invoke("tasks --generate" + flags).exit_code, 2);  // how high?
+  EXPECT_THAT(Invoke("tasks --generate" + flags + " --range-mm 0").output,
+              HasSubstr("--range-mm 0 makes nothing of a drawing"));
+  cv::cvtColor(grey, grey, cv::COLOR_GRAY2BGR);
+  cv::imwrite(Path("disc.png"), grey);
+  EXPECT_THAT(Invoke("tasks --generate" + flags + " --range-mm 15"),
+              AllOf(Field(&Finished::exit_code, 2),
+                    Field(&Finished::output, HasSubstr("disc.png: a drawing is grey"))));
+}
+
+// A goal of a file must fit its terrain.
+TEST_F(ProgramTest, GoalsThatDoNotFitAreNamed) {
+  WriteHeightMap(HeightMap(30, 30, 0.01, 0.05f), Path("bed.h5"));
+  const auto refused = [&](const HeightMap& goal, const std::string& text) {
+    WriteHeightMap(goal, Path("goal.h5"));
+    EXPECT_THAT(Invoke("tasks --terrain " + Path("bed.h5") + " --goal " + Path("goal.h5") +
+                       " --out " + Path("t.h5")),
+                AllOf(Field(&Finished::exit_code, 2), Field(&Finished::output, HasSubstr(text))));
+  };
+  refused(HeightMap(40, 30, 0.01, 0.05f), "30 x 30 cells of 0.01 m, the goal 40 x 30 of 0.01 m");
+  refused(HeightMap(30, 30, 0.02, 0.05f), "the goal 30 x 30 of 0.02 m");
+  refused(HeightMap(30, 30, 0.01, -0.002f), "the goal reaches 2.0 mm below the floor");
+  refused(HeightMap(30, 30, 0.01, 0.0f), "the goal holds no sand");
+  HeightMap masked(30, 30, 0.01, 0.05f);
+  masked.mask.assign(900, 0);
+  refused(masked, "the goal counts no cell");
+  EXPECT_FALSE(std::filesystem::exists(Path("t.h5")));
 }
 
 TEST_F(ProgramTest, BenchPutsSpeedBesideError) {
