@@ -23,7 +23,7 @@ class ShapeEnv(gymnasium.Env):
     """Seven numbers in [-1, 1] are a stroke of the blade; the goal error's drop is its reward.
 
     scene: "small" (300 x 300 mm) or "box" (1200 x 800 mm, goals of 300 x 300 mm in it).
-    world: "default" (the shipped surrogate), "heightfield", "dem", "none" or a .safetensors file.
+    world: "default" or "fast" (the shipped surrogates), "heightfield", "dem", "none" or a .safetensors file.
     workcell: whose arm's gate refuses strokes; None: the scene's, "": no arm.
     tasks: a task file to draw from; "": tasks without end.
     observation: "maps", Dict(map float32 [5, rows, columns], vec float32 [4]), or "image", uint8.
