@@ -14,7 +14,7 @@ class ScoreCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
     app.add_option("--model", model_,
-                   "heightfield, dem (grains), none, default, or a .safetensors file")
+                   "heightfield, dem (grains), none, default, fast, or a .safetensors file")
         ->required();
     app.add_option("--against", against_,
                    "another model: the difference in `explained`, with its interval (bootstrap)");

@@ -18,7 +18,7 @@ class SimulateCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
     app.add_option("--model", model_,
-                   "sand model: heightfield, dem, none, default or a .safetensors file");
+                   "sand model: heightfield, dem, none, default, fast or a .safetensors file");
     app.add_option("--terrain", terrain_, "height map file")->required();
     app.add_option("--strokes", strokes_, "strokes (plan) file")->required();
     app.add_option("--out", out_, "height map file to write");

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data/base/parallel.h"
 #include "env/surrogate_paste.h"
 
 namespace sandwright {
@@ -68,31 +67,20 @@ std::vector<double> Interpolate(const HeightMap& before, const HeightMap& after,
 
 }  // namespace
 
-std::vector<Outcome> ApplyOnCoarseCells(const Heightfield& heightfield, int factor,
-                                        std::span<SandState> states,
-                                        std::span<const ToolPath> paths) {
-  if (factor == 1) return heightfield.Apply(states, paths);
-  const auto threads = static_cast<int>(heightfield.config().threads);
-  const auto count = static_cast<int>(states.size());
-  std::vector<SandState> before(states.size(), SandState(HeightMap()));
-  ParallelFor(count, threads, [&](int index) {
-    const auto i = static_cast<size_t>(index);
-    before[i].Replace(Coarsen(states[i].map(), factor));
-  });
-  std::vector<SandState> after = before;
-  std::vector<Outcome> outcomes = heightfield.Apply(after, paths);
-  ParallelFor(count, threads, [&](int index) {
-    const auto i = static_cast<size_t>(index);
-    Outcome& outcome = outcomes[i];
-    if (outcome.changed.empty()) return;
-    HeightMap map = states[i].map();
-    outcome.changed = Refine(outcome.changed, factor, map);
-    AddResidual(outcome.changed,
-                Interpolate(before[i].map(), after[i].map(), outcome.changed, factor), true, map);
-    outcome.moved_volume_m3 = MovedVolume(states[i].map(), map, outcome.changed);
-    states[i].Replace(std::move(map));
-  });
-  return outcomes;
+Outcome ApplyOnCoarseCells(const Heightfield& heightfield, int factor, SandState& state,
+                           const ToolPath& path) {
+  if (factor == 1) return heightfield.Apply(std::span(&state, 1), std::span(&path, 1)).front();
+  const SandState before(Coarsen(state.map(), factor));
+  SandState after = before;
+  Outcome outcome = heightfield.Apply(std::span(&after, 1), std::span(&path, 1)).front();
+  if (outcome.changed.empty()) return outcome;
+  HeightMap map = state.map();
+  outcome.changed = Refine(outcome.changed, factor, map);
+  AddResidual(outcome.changed, Interpolate(before.map(), after.map(), outcome.changed, factor),
+              true, map);
+  outcome.moved_volume_m3 = MovedVolume(state.map(), map, outcome.changed);
+  state.Replace(std::move(map));
+  return outcome;
 }
 
 }  // namespace sandwright

@@ -1,9 +1,6 @@
 // The heightfield on larger cells than the map's: a cheap first guess for what corrects it.
 #pragma once
 
-#include <span>
-#include <vector>
-
 #include "env/heightfield.h"
 
 namespace sandwright {
@@ -12,8 +9,7 @@ namespace sandwright {
 // map's cells (of fewer along a wall, where they do not come out even), and the change of the large
 // cells, interpolated, is added to the small ones. Volume is kept and the floor holds, as AddResidual
 // has it; what the terrain holds of detail stays. factor = 1 is the heightfield itself.
-std::vector<Outcome> ApplyOnCoarseCells(const Heightfield& heightfield, int factor,
-                                        std::span<SandState> states,
-                                        std::span<const ToolPath> paths);
+Outcome ApplyOnCoarseCells(const Heightfield& heightfield, int factor, SandState& state,
+                           const ToolPath& path);
 
 }  // namespace sandwright

@@ -11,7 +11,7 @@
 namespace sandwright {
 
 struct EnvBench {
-  std::vector<std::string> worlds = {"default", "heightfield"};  // as SandModelByName takes them
+  std::vector<std::string> worlds = {"default", "fast", "heightfield"};  // as SandModelByName takes them
   SandModelConfig sand;
   int threads = 1;     // rows for 1, 2, 4, ... up to as many
   double seconds = 2;  // of one run; the median of five counts

@@ -117,11 +117,11 @@ ToolPath Place(const ToolPath& path, const Placement& placement, const HeightMap
 
 FitSample MakeFitSample(const std::string& name, const HeightMap& before, const HeightMap& truth,
                         const ToolPath& path, const SurrogateConfig& model) {
-  std::vector<SandState> state{SandState(before)};
+  SandState state(before);
   if (model.net.uses_heightfield())
     ApplyOnCoarseCells(Heightfield(model.heightfield), static_cast<int>(model.heightfield_cells),
-                       state, std::span(&path, 1));
-  const HeightMap& start = state.front().map();
+                       state, path);
+  const HeightMap& start = state.map();
   FitSample sample{name,
                    start,
                    EncodeStroke(before, start, path, model.heightfield.blade, model.net.multiple(),

@@ -21,8 +21,8 @@ struct SandModelConfig {
   }
 };
 
-// `heightfield`, `none` (nothing changes; the heightfield's blade), `default` (the shipped
-// surrogate), `dem` (grains; needs LAMMPS when it runs) or the .safetensors file of a surrogate. Such
+// `heightfield`, `none` (nothing changes; the heightfield's blade), `default` and `fast` (the
+// shipped surrogates), `dem` (grains; needs LAMMPS when it runs) or the .safetensors file of a surrogate. Such
 // a file brings its own heightfield and blade and takes only the threads of `config.heightfield`.
 // Several of them, separated by commas, are one MixedSand; `heightfield` is one of its variants where
 // `config.random` asks for them. Throws Error for any other name.

@@ -55,10 +55,8 @@ std::vector<Outcome> Surrogate::ApplyChecked(std::span<SandState> states,
     const auto i = static_cast<size_t>(index);
     const SandState before = states[i];
     if (config_.net.uses_heightfield()) {
-      outcomes[i] =
-          ApplyOnCoarseCells(heightfield_, static_cast<int>(config_.heightfield_cells),
-                             states.subspan(i, 1), paths.subspan(i, 1))
-              .front();
+      outcomes[i] = ApplyOnCoarseCells(
+          heightfield_, static_cast<int>(config_.heightfield_cells), states[i], paths[i]);
       if (outcomes[i].moved_volume_m3 == 0) return;  // it touches no sand and changes none
     } else {
       const LimitedPath limited = LimitPath(paths[i], blade(), before.map());

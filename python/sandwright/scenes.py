@@ -50,7 +50,7 @@ class Beds:
     """N native beds of sand, and how a library of agents sees them.
 
     scene: "small" (300 x 300 mm) or "box" (1200 x 800 mm, goals of 300 x 300 mm in it).
-    world: "default" (the shipped surrogate), "heightfield", "dem", "none", a .safetensors file, or
+    world: "default" or "fast" (the shipped surrogates), "heightfield", "dem", "none", a .safetensors file, or
         several of these separated by commas: each bed is one of them.
     workcell: whose arm's gate refuses strokes; None: the scene's, "": no arm.
     tasks: a task file to draw from; "": tasks without end.

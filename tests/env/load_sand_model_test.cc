@@ -16,17 +16,21 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-// The model that ships, on the bed that it was not trained on.
-TEST(DefaultSurrogate, BeatsTheHeightfieldOnGrains) {
+class ShippedSurrogate : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, ShippedSurrogate, ::testing::Values("default", "fast"),
+                         [](const auto& test) { return std::string(test.param); });
+
+// On a bed that it was not trained on.
+TEST_P(ShippedSurrogate, BeatsTheHeightfieldOnGrains) {
   const std::vector<std::filesystem::path> bed = {SANDWRIGHT_ROOT "/data/strokes/dem/bed_504.h5"};
-  const ScoreSummary learned = ScoreModel(*LoadSandModel("default", {}), bed, {}).Total();
+  const ScoreSummary learned = ScoreModel(*LoadSandModel(GetParam(), {}), bed, {}).Total();
   const ScoreSummary plain = ScoreModel(Heightfield(), bed, {}).Total();
   EXPECT_GT(learned.r2_change.value(), plain.r2_change.value() + 0.02);
   EXPECT_LT(learned.mae_mm.value(), plain.mae_mm.value() - 0.1);
 }
 
-TEST(DefaultSurrogate, StaysSaneOverFiftyStrokes) {
-  const auto model = LoadSandModel("default", {});
+TEST_P(ShippedSurrogate, StaysSaneOverFiftyStrokes) {
+  const auto model = LoadSandModel(GetParam(), {});
   RandomStream stream(1);
   SandState state(GenerateTerrain({}, 75, 75, 0.004, stream));
   const auto volume = [&] {

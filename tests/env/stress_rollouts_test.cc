@@ -36,8 +36,12 @@ class NeedleSand final : public SandModel {
   float height_m_;
 };
 
-TEST(StressRollouts, TheShippedSurrogateStaysSound) {
-  const auto model = LoadSandModel("default", {});
+class ShippedSurrogate : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, ShippedSurrogate, ::testing::Values("default", "fast"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST_P(ShippedSurrogate, StaysSoundOnHardBeds) {
+  const auto model = LoadSandModel(GetParam(), {});
   const auto run = [&](int threads) {
     return RunStressRollouts(
         *model, {.strokes = 70, .strokes_per_rollout = 10, .seed = 3, .threads = threads}, kQuiet);
