@@ -35,7 +35,8 @@ struct TrainConfig {
     f.Add("torch_threads", torch_threads,
           "threads of the network; results depend on it in the last bits", 1, 256);
     f.Add("model", model,
-          "sand model that is the world: heightfield, dem, none, default or a .safetensors file");
+          "sand model that is the world: heightfield, dem, none, default, fast or a .safetensors "
+          "file");
     f.Add("workcell", workcell,
           "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
     f.Add("tasks.file", tasks_file,
