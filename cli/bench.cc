@@ -83,10 +83,16 @@ class BenchCommand final : public Command {
     RunSandBench(bench_, [this](const SandBenchRow& row) { Add("sand", row); });
   }
 
+  SandModelConfig Sand() const {
+    SandModelConfig sand;
+    sand.heightfield = bench_.heightfield;
+    sand.dem = bench_.dem;
+    return sand;
+  }
+
   void RunEnv() {
     EnvBench bench;
-    bench.sand.heightfield = bench_.heightfield;
-    bench.sand.dem = bench_.dem;
+    bench.sand = Sand();
     bench.threads = threads();
     bench.random_steps = strokes_.value_or(0);
     RunEnvBench(bench, [this](const nlohmann::json& row) { Show("env", row); });
@@ -128,7 +134,7 @@ class BenchCommand final : public Command {
   }
 
   void RunSurrogate(const std::string& name) {
-    const auto model = LoadSandModel(name, {.heightfield = bench_.heightfield, .dem = bench_.dem});
+    const auto model = LoadSandModel(name, Sand());
     const StressConfig config{.strokes = strokes_.value_or(1000),
                               .repose_deg = bench_.heightfield.repose_deg,
                               .seed = seed(),

@@ -1,13 +1,11 @@
 #include "env/env_bench.h"
 
+#include <malloc.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <chrono>
 #include <ctime>
-#include <fstream>
-
-#include <unistd.h>
 
 #include "data/base/stop.h"
 #include "env/load_gate.h"
@@ -18,6 +16,7 @@ namespace sandwright {
 namespace {
 
 constexpr int kRuns = 5, kBatch = 32;
+constexpr int kBatches[] = {1, 8, 128};  // of the small scene beside kBatch
 
 double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -66,8 +65,8 @@ std::vector<Scene> Scenes() {
   return {small, box};
 }
 
-std::vector<float> RandomActions(RandomStream& stream) {
-  std::vector<float> actions(static_cast<size_t>(kBatch * kActionSize));
+std::vector<float> RandomActions(int batch, RandomStream& stream) {
+  std::vector<float> actions(static_cast<size_t>(batch * kActionSize));
   for (float& a : actions) a = static_cast<float>(stream.Uniform(-1, 1));
   return actions;
 }
@@ -101,12 +100,10 @@ struct Stage {
   ShapingConfig shaping;
 };
 
-// Resident memory of this process [bytes].
-double Resident_bytes() {
-  std::ifstream statm("/proc/self/statm");
-  double whole = 0, resident = 0;
-  statm >> whole >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+// What this process has allocated and not given back [bytes].
+double Allocated_bytes() {
+  const auto heap = mallinfo2();
+  return static_cast<double>(heap.uordblks + heap.hblkhd);
 }
 
 nlohmann::json MeasureMemory(const EnvBench& bench, const Scene& scene, const std::string& world) {
@@ -115,12 +112,12 @@ nlohmann::json MeasureMemory(const EnvBench& bench, const Scene& scene, const st
   stage.shaping.num_envs = 1;
   const ShapingEnv one(stage.shaping, {*stage.sand, stage.gate.get()}, TasksFrom(stage.task));
   stage.shaping.num_envs = kRows;
-  const double before = Resident_bytes();
+  const double before = Allocated_bytes();
   const ShapingEnv many(stage.shaping, {*stage.sand, stage.gate.get()}, TasksFrom(stage.task));
   return {{"name", scene.name + ", " + world + ", memory"},
           {"environments", kRows},
           {"cell_size_m", stage.task.cell_size_m},
-          {"kib_per_environment", (Resident_bytes() - before) / 1024 / kRows}};
+          {"kib_per_environment", (Allocated_bytes() - before) / 1024 / kRows}};
 }
 
 nlohmann::json StepAtRandom(const EnvBench& bench, const Scene& scene, const std::string& world) {
@@ -138,8 +135,9 @@ nlohmann::json StepAtRandom(const EnvBench& bench, const Scene& scene, const std
 }
 
 nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std::string& world,
-                            int threads) {
-  const Stage stage(bench, scene, world, threads);
+                            int threads, int batch) {
+  Stage stage(bench, scene, world, threads);
+  stage.shaping.num_envs = batch;
   const TimedSand sand(*stage.sand);
   const auto& gate = stage.gate;
   ShapingEnv env(stage.shaping, {sand, gate.get(), threads}, TasksFrom(stage.task));
@@ -153,24 +151,24 @@ nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std
     double elapsed_s = 0, count = 0;
     while (elapsed_s < bench.seconds) {
       ThrowIfStopRequested();
-      for (const EpisodeSummary& summary : env.Step(RandomActions(stream)).finished) {
+      for (const EpisodeSummary& summary : env.Step(RandomActions(batch, stream)).finished) {
         strokes += summary.metrics.at("strokes");
         rejected += summary.metrics.at("rejected_strokes");
       }
       ++count;
       elapsed_s = Now_s() - start_s;
     }
-    rates.push_back(count * kBatch / elapsed_s);
-    cpu_rates.push_back(count * kBatch * CLOCKS_PER_SEC / static_cast<double>(std::clock() - cpu_start));
+    rates.push_back(count * batch / elapsed_s);
+    cpu_rates.push_back(count * batch * CLOCKS_PER_SEC / static_cast<double>(std::clock() - cpu_start));
     steps += count;
     spent_s += elapsed_s;
   }
   // The gate and the observation apart, on the strokes of a step as it stands.
   const double step_s = spent_s / steps, sand_s = sand.seconds() / steps;
   const double observe_s = MeanSeconds([&] { env.Observe(); });
-  const std::vector<float> actions = RandomActions(stream);
+  const std::vector<float> actions = RandomActions(batch, stream);
   const double gate_s = MeanSeconds([&] {
-    for (size_t i = 0; i < kBatch; ++i) {
+    for (size_t i = 0; i < static_cast<size_t>(batch); ++i) {
       Action action;
       std::copy_n(actions.begin() + static_cast<std::ptrdiff_t>(i * kActionSize), kActionSize,
                   action.begin());
@@ -181,7 +179,7 @@ nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std
   });
   return {{"name", scene.name + ", " + world},
           {"threads", threads},
-          {"batch", kBatch},
+          {"batch", batch},
           {"cell_size_m", stage.task.cell_size_m},
           {"strokes_per_second", Median(rates)},
           {"strokes_per_cpu_second", Median(cpu_rates)},
@@ -189,7 +187,7 @@ nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std
           {"share_sand", sand_s / step_s},
           {"share_gate", gate_s / threads / step_s},
           {"share_observation", observe_s / step_s},
-          {"gate_ms_per_stroke", 1e3 * gate_s / kBatch}};
+          {"gate_ms_per_stroke", 1e3 * gate_s / batch}};
 }
 
 }  // namespace
@@ -198,8 +196,12 @@ void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann:
   for (const Scene& scene : Scenes()) {
     for (const std::string& world : bench.worlds) {
       for (int threads = 1; threads <= bench.threads; threads *= 2)
-        done(MeasureScene(bench, scene, world, threads));
+        done(MeasureScene(bench, scene, world, threads, kBatch));
     }
+  }
+  for (const std::string& world : bench.worlds) {
+    for (const int batch : kBatches)
+      done(MeasureScene(bench, Scenes().front(), world, bench.threads, batch));
   }
   for (const Scene& scene : Scenes()) {
     for (const std::string& world : bench.worlds) {

@@ -21,9 +21,9 @@ struct EnvBench {
 // Random strokes through 32 environments of the small scene and of the whole box, behind the gate of
 // the shipped workcells, with tasks made at each reset: strokes a second of the wall clock, of
 // processor time, and what share of a step the parts took (sand, gate, observation; the rest is
-// decoding, reward, resets); then the memory of an environment, and RunRandomSteps with every fault of
-// sensor and arm on. Each row is given to `done` as it comes. Ctrl-C
-// throws kInterrupted.
+// decoding, reward, resets); batches of 1, 8 and 128 on the small scene; then the memory of an
+// environment, and RunRandomSteps with every fault of sensor and arm on. Each row is given to `done`
+// as it comes. Ctrl-C throws kInterrupted.
 void RunEnvBench(const EnvBench& bench, const std::function<void(const nlohmann::json&)>& done);
 
 }  // namespace sandwright

@@ -14,15 +14,16 @@ TEST(EnvBench, RatesAndSharesOfAStep) {
   bench.random_steps = 64;
   std::vector<nlohmann::json> rows;
   RunEnvBench(bench, [&](const nlohmann::json& row) { rows.push_back(row); });
-  ASSERT_EQ(rows.size(), 2 * 2 + 2 * 2u);  // scenes x threads; memory and random steps of each
-  for (size_t i = 0; i < 4; ++i) {
+  ASSERT_EQ(rows.size(), 2 * 2 + 3 + 2 * 2u);  // scenes x threads; batches; memory and random steps
+  for (size_t i = 0; i < 7; ++i) {
     EXPECT_GT(rows[i]["strokes_per_second"], 1) << rows[i];
     EXPECT_GT(rows[i]["share_sand"], 0) << rows[i];
     EXPECT_LT(rows[i]["share_sand"], 1) << rows[i];
     EXPECT_GT(rows[i]["gate_ms_per_stroke"], 0) << rows[i];
     EXPECT_GE(rows[i]["rejected_share"], 0) << rows[i];
   }
-  for (const size_t i : {4, 6}) {
+  EXPECT_EQ(rows[6]["batch"], 128);
+  for (const size_t i : {7, 9}) {
     EXPECT_GT(rows[i]["kib_per_environment"], 1) << rows[i];
     EXPECT_EQ(rows[i + 1]["steps"], 64) << rows[i + 1];
     EXPECT_EQ(rows[i + 1]["sound"], true) << rows[i + 1];
