@@ -1,0 +1,108 @@
+// The ladder of reference tasks: each algorithm trained on each task with several seeds, beside the
+// scores that others published.
+//
+//   ladder OUT.json SEEDS RUNG...      a rung is a file of configs/ladder without its ending
+#include <spdlog/fmt/fmt.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "agents/train.h"
+#include "data/base/atomic_file.h"
+#include "data/base/error.h"
+#include "data/base/machine.h"
+#include "data/base/stop.h"
+
+namespace sandwright {
+namespace {
+
+// Deterministic policy, one training run each, +- over episodes: rl-baselines3-zoo, benchmark.md.
+// CleanRL's are means of three seeds of training returns: docs/benchmark, tag pr-424.
+struct Published {
+  const char *rung, *source;
+  double mean;
+  std::optional<double> deviation;
+  int64_t steps;
+};
+constexpr Published kPublished[] = {
+    {"cart_pole_ppo", "rl-baselines3-zoo", 500.0, 0, 100000},
+    {"acrobot_ppo", "rl-baselines3-zoo", -73.506, 18.2, 1000000},
+    {"pendulum_sac", "rl-baselines3-zoo", -156.995, 88.714, 20000},
+    {"pendulum_tqc", "rl-baselines3-zoo", -151.3, {}, 20000},
+    {"mountain_car_sac", "rl-baselines3-zoo", 94.679, 1.134, 50000},
+    {"half_cheetah_sac", "CleanRL", 9634.89, 1423.73, 1000000},
+    {"hopper_sac", "CleanRL", 2310.46, 342.82, 1000000}};
+
+nlohmann::json Climb(const std::string& rung, int64_t seeds) {
+  TrainConfig config;
+  LoadYaml(FieldsOf(config), SANDWRIGHT_ROOT "/configs/ladder/" + rung + ".yaml");
+  nlohmann::json row = {{"rung", rung},
+                        {"reference", config.reference},
+                        {"algorithm", config.algorithm},
+                        {"steps", config.total_steps},
+                        {"evaluation_episodes", config.evaluation_tasks}};
+  double sum = 0, squares = 0;
+  for (int64_t seed = 1; seed <= seeds; ++seed) {
+    const auto folder = std::filesystem::temp_directory_path() / fmt::format("{}_{}", rung, seed);
+    std::filesystem::remove_all(folder);
+    const nlohmann::json run = Train(config, {folder, static_cast<uint64_t>(seed), 1, false});
+    const double mean = run.at("mean_reward");
+    sum += mean, squares += mean * mean;
+    row["seeds"].push_back({{"seed", seed},
+                            {"mean_reward", mean},
+                            {"std_reward", run.at("std_reward")},
+                            {"seconds", run.at("seconds")}});
+    fmt::print("{} seed {}: {:.1f} +- {:.1f} in {:.0f} s\n", rung, seed, mean,
+               run.at("std_reward").get<double>(), run.at("seconds").get<double>());
+    std::fflush(stdout);
+  }
+  const auto count = static_cast<double>(seeds);
+  row["mean_reward"] = sum / count;
+  row["std_over_seeds"] = std::sqrt(std::max(0.0, squares / count - sum / count * (sum / count)));
+  for (const Published& p : kPublished)
+    if (rung == p.rung) {
+      row["published"] = {{"source", p.source}, {"mean", p.mean}, {"steps", p.steps}};
+      if (p.deviation) row["published"]["std"] = *p.deviation;
+    }
+  return row;
+}
+
+// Rows of rungs that are climbed anew replace those in the file.
+int Run(int argc, char** argv) {
+  int64_t seeds = 0;
+  if (argc >= 3) std::from_chars(argv[2], argv[2] + std::strlen(argv[2]), seeds);
+  if (argc < 4 || seeds < 1) {
+    fmt::print(stderr, "usage: ladder OUT.json SEEDS RUNG...\n");
+    return 2;
+  }
+  InstallStopHandler();
+  const std::filesystem::path out = argv[1];
+  nlohmann::json rows = nlohmann::json::array();
+  if (std::filesystem::exists(out)) rows = nlohmann::json::parse(ReadFile(out)).at("rows");
+  for (int i = 3; i < argc; ++i) {
+    nlohmann::json fresh = Climb(argv[i], seeds);
+    std::erase_if(rows.get_ref<nlohmann::json::array_t&>(),
+                  [&](const nlohmann::json& row) { return row.at("rung") == argv[i]; });
+    rows.push_back(std::move(fresh));
+    const nlohmann::json all = {
+        {"rows", rows}, {"machine", MachineDescription()}, {"commit", BuildCommit()}};
+    WriteFileAtomically(out, all.dump(1) + "\n");
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace sandwright
+
+int main(int argc, char** argv) {
+  try {
+    return sandwright::Run(argc, argv);
+  } catch (const sandwright::Error& e) {
+    fmt::print(stderr, "ladder: {}\n", e.what());
+    return 1;
+  }
+}
