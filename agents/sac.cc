@@ -62,15 +62,19 @@ Sac::Sac(VecEnv& env, const SacConfig& config, CriticRule rule, uint64_t seed, t
       replay_(env.observation_spec().vec_size(), env.action_size(), config.buffer_size) {
   targets_.to(device);
   MoveTargets(1);
-  for (int i = 0; i < env.num_envs(); ++i)
-    noises_.push_back({RandomStream(seed, StreamId("sac action"), static_cast<uint64_t>(i)), {}, 0});
   RestartEpisodes();
 }
 
 void Sac::RestartEpisodes() {
   observation_ = env_.Reset(
       RandomStream(seed_, StreamId("training episodes"), static_cast<uint64_t>(steps())).Next64());
-  for (Noise& noise : noises_) Renew(noise);
+  const uint64_t noise_seed =
+      RandomStream(seed_, StreamId("sac noise"), static_cast<uint64_t>(steps())).Next64();
+  noises_.clear();
+  for (int i = 0; i < env_.num_envs(); ++i) {
+    noises_.push_back({RandomStream(noise_seed, 0, static_cast<uint64_t>(i)), {}, 0});
+    Renew(noises_.back());
+  }
 }
 
 void Sac::Renew(Noise& noise) const {
@@ -203,11 +207,10 @@ torch::Tensor Sac::Mean(const ObservationBatch& observation) {
 }
 
 void Sac::Save(Safetensors& content) const {
-  nlohmann::json state = {{"rounds", rounds_},
-                          {"replay", StreamToJson(replay_stream_)},
-                          {"policy", StreamToJson(policy_stream_)},
-                          {"action", nlohmann::json::array()}};
-  for (const Noise& noise : noises_) state["action"].push_back(StreamToJson(noise.stream));
+  const nlohmann::json state = {{"rounds", rounds_},
+                                {"environments", env_.num_envs()},
+                                {"replay", StreamToJson(replay_stream_)},
+                                {"policy", StreamToJson(policy_stream_)}};
   content.metadata[kState] = state.dump();
   SaveWeights(actor_, "network.", content);
   SaveWeights(critics_, "critics.", content);
@@ -221,9 +224,9 @@ void Sac::Save(Safetensors& content) const {
 
 void Sac::Load(const Safetensors& content, const std::string& source) {
   const auto state = ParsedMetadata(content, kState, source);
-  if (state.at("action").size() != noises_.size())
+  if (state.at("environments") != env_.num_envs())
     throw Error(fmt::format("{}: saved with another number of environments ({} instead of {})",
-                            source, state.at("action").size(), noises_.size()));
+                            source, state.at("environments").dump(), env_.num_envs()));
   LoadWeights(content, "network.", source, actor_);
   LoadWeights(content, "critics.", source, critics_);
   LoadWeights(content, "targets.", source, targets_);
@@ -238,8 +241,6 @@ void Sac::Load(const Safetensors& content, const std::string& source) {
   rounds_ = state.at("rounds");
   replay_stream_ = StreamFromJson(state.at("replay"));
   policy_stream_ = StreamFromJson(state.at("policy"));
-  for (size_t i = 0; i < noises_.size(); ++i)
-    noises_[i].stream = StreamFromJson(state.at("action")[i]);
   RestartEpisodes();
 }
 

@@ -23,7 +23,8 @@ class Trainer {
   virtual std::map<std::string, double> Advance() = 0;
   virtual int64_t steps() const = 0;  // of environments, so far
 
-  // All environments start new episodes, fixed by the seed and the steps so far. Called where a
+  // All environments start new episodes, and what belongs to an episode does (exploration noise),
+  // fixed by the seed and the steps so far. Called where a
   // checkpoint is written, so that a run that is resumed there repeats the one that was not.
   virtual void RestartEpisodes() = 0;
   // Everything but the configuration and the environments' episodes, which Load starts anew. Load

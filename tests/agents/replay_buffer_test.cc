@@ -3,7 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <set>
+#include <array>
+#include <cmath>
 
 #include "data/base/error.h"
 
@@ -58,6 +59,7 @@ TEST(ReplayBuffer, DrawsWholeRowsEvenly) {
   RandomStream stream(1);
   constexpr int kDraws = 3000;
   const Transitions drawn = buffer.Sample(kDraws, stream, torch::kCPU);
+  constexpr std::array<float, 3> kAfter = {10, 21, 22};
   std::array<int, 3> counts{};
   for (int i = 0; i < kDraws; ++i) {
     const auto at = [&](const torch::Tensor& t) { return t[i][0].item<float>(); };
@@ -65,7 +67,7 @@ TEST(ReplayBuffer, DrawsWholeRowsEvenly) {
     ++counts.at(row);
     EXPECT_EQ(at(drawn.reward), at(drawn.observation));
     EXPECT_EQ(at(drawn.action), 0.1f * at(drawn.observation));
-    EXPECT_EQ(at(drawn.next_observation), std::array<float, 3>({10, 21, 22})[row]);
+    EXPECT_EQ(at(drawn.next_observation), kAfter[row]);
     EXPECT_EQ(at(drawn.goes_on), row == 1 ? 0 : 1);
   }
   for (const int count : counts) EXPECT_NEAR(count, kDraws / 3, 4 * std::sqrt(kDraws * 2 / 9.0));

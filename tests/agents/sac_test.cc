@@ -131,8 +131,8 @@ struct Trainee {
 TEST(Sac, TheSameSeedGivesTheSameParameters) {
   Trainee first(7), second(7), other(8);
   for (Trainee* t : {&first, &second, &other}) t->sac.Advance();
-  EXPECT_EQ(first.State(), second.State());
-  EXPECT_NE(first.State(), other.State());
+  EXPECT_TRUE(first.State() == second.State());  // EXPECT_EQ would print them
+  EXPECT_FALSE(first.State() == other.State());
 }
 
 TEST(Sac, ResumedEqualsUninterrupted) {
@@ -147,14 +147,12 @@ TEST(Sac, ResumedEqualsUninterrupted) {
     // Through the file's format: everything is floats and text.
     const auto file = std::filesystem::path(::testing::TempDir()) / "sac_test.safetensors";
     WriteSafetensors(saved, file);
-    Trainee resumed(99, rule(), 1);
-    EXPECT_NE(resumed.State(), whole.State());
-    Trainee same(7, rule(), 1);
-    same.sac.Load(ReadSafetensors(file), file.string());
-    EXPECT_EQ(same.State(), whole.State());
-    for (int i = 0; i < 2; ++i) whole.sac.Advance(), same.sac.Advance();
-    EXPECT_EQ(same.sac.steps(), whole.sac.steps());
-    EXPECT_EQ(same.State(), whole.State());
+    Trainee resumed(7, rule(), 1);
+    resumed.sac.Load(ReadSafetensors(file), file.string());
+    EXPECT_TRUE(resumed.State() == whole.State());
+    for (int i = 0; i < 2; ++i) whole.sac.Advance(), resumed.sac.Advance();
+    EXPECT_EQ(resumed.sac.steps(), whole.sac.steps());
+    EXPECT_TRUE(resumed.State() == whole.State());
   }
 }
 
@@ -208,12 +206,12 @@ TEST(SacLearning, TruncationGoesOnAndTerminationDoesNot) {
     Sac sac(env,
             {.learning_rate = 3e-3,
              .gamma = 0.8,
-             .target_share = 0.05,
+             .target_share = 0.1,
              .batch_size = 32,
              .hidden = 16,
              .temperature = 1e-6},
             TwinCritics(), 1, torch::kCPU);
-    for (int i = 0; i < 6; ++i) sac.Advance();
+    for (int i = 0; i < 3; ++i) sac.Advance();
     // For ever 1 / (1 - 0.8) = 5. Terminated with even odds: v = 1 + 0.4 v.
     Safetensors saved;
     sac.Save(saved);
@@ -233,11 +231,10 @@ TEST(SacLearning, WalksToTheTarget) {
                            .gamma = 0.9,
                            .target_share = 0.02,
                            .batch_size = 64,
-                           .gradient_steps = 1,
                            .hidden = 32};
     Sac sac(env, config, quantiles ? TruncatedQuantileCritics({}) : TwinCritics(), 1, torch::kCPU);
     std::map<std::string, double> last;
-    for (int i = 0; i < 8; ++i) last = sac.Advance();
+    for (int i = 0; i < 4; ++i) last = sac.Advance();
     // Arriving ends an episode within 0.05; a random walk ends at 0.6.
     EXPECT_LT(last.at("rollout/distance"), 0.08) << quantiles;
   }
