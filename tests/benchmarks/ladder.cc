@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -37,38 +38,48 @@ constexpr Published kPublished[] = {
     {"half_cheetah_sac", "CleanRL", 9634.89, 1423.73, 1000000},
     {"hopper_sac", "CleanRL", 2310.46, 342.82, 1000000}};
 
-nlohmann::json Climb(const std::string& rung, int64_t seeds) {
+void Summarise(nlohmann::json& row) {
+  double sum = 0, squares = 0;
+  for (const nlohmann::json& run : row.at("seeds")) {
+    const double mean = run.at("mean_reward");
+    sum += mean, squares += mean * mean;
+  }
+  const auto count = static_cast<double>(row["seeds"].size());
+  row["mean_reward"] = sum / count;
+  row["std_over_seeds"] = std::sqrt(std::max(0.0, squares / count - sum / count * (sum / count)));
+}
+
+// `keep` gets the row after each seed: a run takes minutes to hours.
+void Climb(const std::string& rung, int64_t seeds,
+           const std::function<void(const nlohmann::json&)>& keep) {
   TrainConfig config;
   LoadYaml(FieldsOf(config), SANDWRIGHT_ROOT "/configs/ladder/" + rung + ".yaml");
   nlohmann::json row = {{"rung", rung},
                         {"reference", config.reference},
                         {"algorithm", config.algorithm},
                         {"steps", config.total_steps},
-                        {"evaluation_episodes", config.evaluation_tasks}};
-  double sum = 0, squares = 0;
+                        {"evaluation_episodes", config.evaluation_tasks},
+                        {"commit", BuildCommit()}};
+  for (const Published& p : kPublished) {
+    if (rung != p.rung) continue;
+    row["published"] = {{"source", p.source}, {"mean", p.mean}, {"steps", p.steps}};
+    if (p.deviation) row["published"]["std"] = *p.deviation;
+  }
   for (int64_t seed = 1; seed <= seeds; ++seed) {
     const auto folder = std::filesystem::temp_directory_path() / fmt::format("{}_{}", rung, seed);
     std::filesystem::remove_all(folder);
     const nlohmann::json run = Train(config, {folder, static_cast<uint64_t>(seed), 1, false});
-    const double mean = run.at("mean_reward");
-    sum += mean, squares += mean * mean;
     row["seeds"].push_back({{"seed", seed},
-                            {"mean_reward", mean},
+                            {"mean_reward", run.at("mean_reward")},
                             {"std_reward", run.at("std_reward")},
                             {"seconds", run.at("seconds")}});
-    fmt::print("{} seed {}: {:.1f} +- {:.1f} in {:.0f} s\n", rung, seed, mean,
-               run.at("std_reward").get<double>(), run.at("seconds").get<double>());
+    fmt::print("{} seed {}: {:.1f} +- {:.1f} in {:.0f} s\n", rung, seed,
+               run.at("mean_reward").get<double>(), run.at("std_reward").get<double>(),
+               run.at("seconds").get<double>());
     std::fflush(stdout);
+    Summarise(row);
+    keep(row);
   }
-  const auto count = static_cast<double>(seeds);
-  row["mean_reward"] = sum / count;
-  row["std_over_seeds"] = std::sqrt(std::max(0.0, squares / count - sum / count * (sum / count)));
-  for (const Published& p : kPublished)
-    if (rung == p.rung) {
-      row["published"] = {{"source", p.source}, {"mean", p.mean}, {"steps", p.steps}};
-      if (p.deviation) row["published"]["std"] = *p.deviation;
-    }
-  return row;
 }
 
 // Rows of rungs that are climbed anew replace those in the file.
@@ -81,16 +92,16 @@ int Run(int argc, char** argv) {
   }
   InstallStopHandler();
   const std::filesystem::path out = argv[1];
-  nlohmann::json rows = nlohmann::json::array();
-  if (std::filesystem::exists(out)) rows = nlohmann::json::parse(ReadFile(out)).at("rows");
+  nlohmann::json result = {{"rows", nlohmann::json::array()}};
+  if (std::filesystem::exists(out)) result = nlohmann::json::parse(ReadFile(out));
+  result["machine"] = MachineDescription();
   for (int i = 3; i < argc; ++i) {
-    nlohmann::json fresh = Climb(argv[i], seeds);
-    std::erase_if(rows.get_ref<nlohmann::json::array_t&>(),
-                  [&](const nlohmann::json& row) { return row.at("rung") == argv[i]; });
-    rows.push_back(std::move(fresh));
-    const nlohmann::json all = {
-        {"rows", rows}, {"machine", MachineDescription()}, {"commit", BuildCommit()}};
-    WriteFileAtomically(out, all.dump(1) + "\n");
+    Climb(argv[i], seeds, [&](const nlohmann::json& fresh) {
+      auto& rows = result["rows"].get_ref<nlohmann::json::array_t&>();
+      std::erase_if(rows, [&](const nlohmann::json& row) { return row.at("rung") == argv[i]; });
+      rows.push_back(fresh);
+      WriteFileAtomically(out, result.dump(1) + "\n");
+    });
   }
   return 0;
 }
