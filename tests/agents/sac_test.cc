@@ -234,7 +234,7 @@ TEST(SacLearning, WalksToTheTarget) {
                            .hidden = 32};
     Sac sac(env, config, quantiles ? TruncatedQuantileCritics({}) : TwinCritics(), 1, torch::kCPU);
     std::map<std::string, double> last;
-    for (int i = 0; i < 4; ++i) last = sac.Advance();
+    for (int i = 0; i < 8; ++i) last = sac.Advance();
     // Arriving ends an episode within 0.05; a random walk ends at 0.6.
     EXPECT_LT(last.at("rollout/distance"), 0.08) << quantiles;
   }

@@ -71,7 +71,7 @@ TEST(Train, LeavesTheWholeRunFolder) {
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
   EXPECT_EQ(LastCheckpoint(folder).filename(), "000000000256.safetensors");
   EXPECT_THAT(ReadFile(folder / "config.yaml"),
-              HasSubstr("total_steps: 256  # strokes to train on"));
+              HasSubstr("total_steps: 256  # strokes (steps of a reference task) to train on"));
   const std::string csv = ReadFile(folder / "progress.csv");
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + 4);
   TrainConfig again;
