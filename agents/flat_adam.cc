@@ -1,5 +1,6 @@
 #include "agents/flat_adam.h"
 
+#include <charconv>
 #include <cmath>
 
 #include "data/base/error.h"
@@ -7,6 +8,7 @@
 namespace sandwright {
 namespace {
 constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
+constexpr const char *kFirst = ".first_moment", *kSecond = ".second_moment", *kSteps = ".steps";
 }  // namespace
 
 FlatAdam::FlatAdam(const std::vector<torch::Tensor>& parameters, double epsilon)
@@ -42,6 +44,35 @@ void FlatAdam::Step(double learning_rate) {
   const double correction = std::sqrt(1.0 - std::pow(kBeta2, static_cast<double>(steps_)));
   const auto denominator = second_moment_.sqrt().div_(correction).add_(epsilon_);
   values_.addcdiv_(first_moment_, denominator, -step_size);
+}
+
+void FlatAdam::Save(const std::string& name, Safetensors& content) const {
+  const auto add = [&](const char* kind, const torch::Tensor& moment) {
+    const auto cpu = moment.to(torch::kCPU);
+    content.tensors[name + kind] = {
+        {cpu.numel()}, {cpu.data_ptr<float>(), cpu.data_ptr<float>() + cpu.numel()}};
+  };
+  add(kFirst, first_moment_);
+  add(kSecond, second_moment_);
+  content.metadata[name + kSteps] = std::to_string(steps_);
+}
+
+void FlatAdam::Load(const std::string& name, const Safetensors& content,
+                    const std::string& source) {
+  const auto saved = [&](const char* kind) {
+    const NamedTensor& moment = content.Tensor(name + kind, source);
+    if (static_cast<int64_t>(moment.values.size()) != values_.numel())
+      throw Error(source + ": " + name + kind + " belongs to another network");
+    return torch::tensor(moment.values);
+  };
+  const auto first = saved(kFirst), second = saved(kSecond);
+  const std::string& steps = content.Metadata(name + kSteps, source);
+  const auto [end, failure] =
+      std::from_chars(steps.data(), steps.data() + steps.size(), steps_);
+  if (failure != std::errc() || end != steps.data() + steps.size())
+    throw Error(source + ": " + name + kSteps + " is '" + steps + "'; allowed: a whole number");
+  first_moment_.copy_(first);
+  second_moment_.copy_(second);
 }
 
 }  // namespace sandwright

@@ -5,7 +5,10 @@
 
 #include <torch/torch.h>
 
+#include <string>
 #include <vector>
+
+#include "env/safetensors.h"
 
 namespace sandwright {
 
@@ -19,12 +22,10 @@ class FlatAdam {
   double ClipGradients(double limit);
   void Step(double learning_rate);
 
-  // All of the state beside the learning rate, for checkpoints
-  // (tensors are handles: copy_ writes). [P] each.
-  const torch::Tensor& first_moment() const { return first_moment_; }
-  const torch::Tensor& second_moment() const { return second_moment_; }
-  int64_t steps() const { return steps_; }
-  void set_steps(int64_t steps) { steps_ = steps; }
+  // All of the state beside parameters and learning rate, under `name`. Load throws Error naming
+  // `source` where the moments belong to other parameters.
+  void Save(const std::string& name, Safetensors& content) const;
+  void Load(const std::string& name, const Safetensors& content, const std::string& source);
 
  private:
   double epsilon_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "agents/categorical.h"
 #include "data/base/error.h"
 #include "env/observation.h"
 
@@ -13,7 +14,7 @@ namespace {
 namespace nn = torch::nn;
 namespace F = torch::nn::functional;
 
-constexpr double kReluGain = std::numbers::sqrt2;
+constexpr double kHiddenGain = std::numbers::sqrt2;
 constexpr const char* kSurplusChannel = "goal_difference_coarse";
 constexpr double kPolicyGain = 0.01;  // the first policy is close to uniform
 
@@ -73,8 +74,9 @@ torch::Device SelectDevice(const std::string& name) {
 }
 
 ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
-                         RandomStream& stream)
-    : has_map_(spec.map_size() > 0), action_size_(action_size) {
+                         RandomStream& stream, int choices)
+    : has_map_(spec.map_size() > 0), action_size_(action_size), choices_(choices) {
+  SAND_CHECK(choices == 0 || (!has_map_ && action_size == 1), choices, action_size);
   const int64_t width = config.channels, hidden = config.hidden;
   int64_t whole_inputs = spec.vec_size(), rest_inputs = hidden, rest_numbers = action_size;
   if (has_map_) {
@@ -87,7 +89,7 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
     rest_numbers -= PlaceGrid::kNumbers;
     const auto x = torch::linspace(-1, 1, spec.columns).expand({spec.rows, spec.columns});
     const auto y = torch::linspace(-1, 1, spec.rows).unsqueeze(1).expand({spec.rows, spec.columns});
-    coordinates_ = register_buffer("coordinates", torch::stack({x, y}).unsqueeze(0).clone());
+    coordinates_ = torch::stack({x, y}).unsqueeze(0).clone();
     const auto channels = static_cast<int64_t>(spec.channels.size());
     fine_ = register_module("fine", Convolution(channels + 2, width, 3, 2));
     middle_ = register_module("middle", Convolution(width, 2 * width, 3, 2));
@@ -99,21 +101,28 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
     place_head_ = register_module("place_head", Convolution(2 * width, config.headings, 1, 1));
     if (config.surplus_first > 0) PreferSurplus(spec, config);
     for (auto* layer : {&fine_, &middle_, &coarse_, &fine_mix_, &middle_mix_, &coarse_mix_})
-      Initialise(*layer, kReluGain, stream);
-    Initialise(whole_mix_, kReluGain, stream);
+      Initialise(*layer, kHiddenGain, stream);
+    Initialise(whole_mix_, kHiddenGain, stream);
     Initialise(place_head_, kPolicyGain, stream);
   }
   whole_in_ = register_module("whole_in", nn::Linear(whole_inputs, hidden));
   whole_out_ = register_module("whole_out", nn::Linear(hidden, hidden));
-  rest_hidden_ = register_module("rest_hidden", nn::Linear(rest_inputs, hidden));
-  rest_head_ = register_module("rest_head", nn::Linear(hidden, 2 * rest_numbers));
+  if (has_map_) rest_hidden_ = register_module("rest_hidden", nn::Linear(rest_inputs, hidden));
+  rest_head_ =
+      register_module("rest_head", nn::Linear(hidden, choices > 0 ? choices : 2 * rest_numbers));
+  if (!has_map_) value_in_ = register_module("value_in", nn::Linear(whole_inputs, hidden));
   value_hidden_ = register_module("value_hidden", nn::Linear(hidden, hidden));
   value_head_ = register_module("value_head", nn::Linear(hidden, 1));
-  for (auto* layer : {&whole_in_, &whole_out_, &rest_hidden_, &value_hidden_})
-    Initialise(*layer, kReluGain, stream);
+  for (auto* layer : {&whole_in_, &whole_out_, &rest_hidden_, &value_in_, &value_hidden_})
+    if (*layer) Initialise(*layer, kHiddenGain, stream);
   Initialise(rest_head_, kPolicyGain, stream);
   Initialise(value_head_, 1.0, stream);
+  if (choices > 0 && !config.first_guess.empty())
+    throw Error("network.first_guess: this task is played by choices; allowed: none");
   GuessFirst(config.first_guess);
+  if (config.normalize)
+    normalizer_ = register_module("normalizer",
+                                  std::make_shared<ObservationNormalizer>(spec.vec_size()));
 }
 
 void ActorCritic::PreferSurplus(const ObservationSpec& spec, const NetworkConfig& config) {
@@ -150,22 +159,25 @@ void ActorCritic::GuessFirst(const std::vector<double>& means) {
 
 ActorCritic::Encoding ActorCritic::Encode(const ObservationTensors& observation) {
   Encoding encoding;
-  torch::Tensor whole = observation.vec, fine, middle, coarse;
-  if (has_map_) {
-    const int64_t batch = observation.map.size(0);
-    const auto input = torch::cat({observation.map, coordinates_.expand({batch, -1, -1, -1})}, 1);
-    fine = torch::relu(fine_(input));
-    middle = torch::relu(middle_(fine));
-    coarse = torch::relu(coarse_(middle));
-    whole = torch::cat({coarse.flatten(1), whole}, 1);
+  const auto numbers = normalizer_ ? normalizer_->Forward(observation.vec) : observation.vec;
+  if (!has_map_) {
+    encoding.whole = torch::tanh(whole_out_(torch::tanh(whole_in_(numbers))));
+    encoding.worth = torch::tanh(value_hidden_(torch::tanh(value_in_(numbers))));
+    return encoding;
   }
+  coordinates_ = coordinates_.to(observation.map.device());
+  const auto input = torch::cat(
+      {observation.map, coordinates_.expand({observation.map.size(0), -1, -1, -1})}, 1);
+  const auto fine = torch::relu(fine_(input));
+  const auto middle = torch::relu(middle_(fine));
+  const auto coarse = torch::relu(coarse_(middle));
+  const auto whole = torch::cat({coarse.flatten(1), numbers}, 1);
   encoding.whole = torch::relu(whole_out_(torch::relu(whole_in_(whole))));
-  if (has_map_) {
-    // Every scale meets at the finest one, as in feature pyramids (Lin et al., CVPR 2017).
-    encoding.places = torch::relu(fine_mix_(fine) + Enlarge(middle_mix_(middle), fine) +
-                                  Enlarge(coarse_mix_(coarse), fine) +
-                                  whole_mix_(encoding.whole).unsqueeze(-1).unsqueeze(-1));
-  }
+  encoding.worth = torch::relu(value_hidden_(encoding.whole));
+  // Every scale meets at the finest one, as in feature pyramids (Lin et al., CVPR 2017).
+  encoding.places = torch::relu(fine_mix_(fine) + Enlarge(middle_mix_(middle), fine) +
+                                Enlarge(coarse_mix_(coarse), fine) +
+                                whole_mix_(encoding.whole).unsqueeze(-1).unsqueeze(-1));
   return encoding;
 }
 
@@ -178,24 +190,40 @@ torch::Tensor ActorCritic::PlaceLogits(const Encoding& encoding, const torch::Te
 }
 
 BetaParameters ActorCritic::RestOf(const Encoding& encoding, const torch::Tensor& place) {
-  auto input = encoding.whole;
-  if (has_map_) {
-    const auto cell = grid_.Bin(place).remainder(grid_.cells());
-    const auto all = encoding.places.flatten(2);  // [B, F, cells]
-    const auto here = all.gather(2, cell.view({-1, 1, 1}).expand({-1, all.size(1), 1})).squeeze(2);
-    const auto heading_rad = place.narrow(1, 2, 1) * std::numbers::pi;
-    input = torch::cat({here, input, heading_rad.cos(), heading_rad.sin()}, 1);
-  }
+  if (!has_map_) return BetaFromOutputs(rest_head_(encoding.whole));
+  const auto cell = grid_.Bin(place).remainder(grid_.cells());
+  const auto all = encoding.places.flatten(2);  // [B, F, cells]
+  const auto here = all.gather(2, cell.view({-1, 1, 1}).expand({-1, all.size(1), 1})).squeeze(2);
+  const auto heading_rad = place.narrow(1, 2, 1) * std::numbers::pi;
+  const auto input = torch::cat({here, encoding.whole, heading_rad.cos(), heading_rad.sin()}, 1);
   return BetaFromOutputs(rest_head_(torch::relu(rest_hidden_(input))));
 }
 
 torch::Tensor ActorCritic::ValueOf(const Encoding& encoding) {
-  return value_head_(torch::relu(value_hidden_(encoding.whole))).squeeze(-1);
+  return value_head_(encoding.worth).squeeze(-1);
 }
 
 torch::Tensor ActorCritic::Value(const ObservationTensors& observation) {
   const torch::NoGradGuard no_grad;
   return ValueOf(Encode(observation)).to(torch::kCPU);
+}
+
+void ActorCritic::Observe(const ObservationTensors& observation) {
+  if (normalizer_) normalizer_->Observe(observation.vec);
+}
+
+ActorCritic::Decision ActorCritic::SampleChoice(const Encoding& encoding,
+                                                std::span<RandomStream> streams) {
+  const auto logits = rest_head_(encoding.whole).to(torch::kCPU);
+  const auto probability = torch::softmax(logits, -1).contiguous();
+  const auto batch = static_cast<int64_t>(streams.size()), choices = logits.size(1);
+  auto choice = torch::empty({batch}, torch::kInt64);
+  for (int64_t i = 0; i < batch; ++i) {
+    const std::span row(probability.data_ptr<float>() + i * choices, static_cast<size_t>(choices));
+    choice.data_ptr<int64_t>()[i] = SampleCategorical(row, streams[static_cast<size_t>(i)]);
+  }
+  return {choice.to(torch::kFloat32).unsqueeze(1), CategoricalLogProb(logits, choice),
+          ValueOf(encoding).to(torch::kCPU)};
 }
 
 ActorCritic::Decision ActorCritic::Sample(const ObservationTensors& observation,
@@ -205,6 +233,7 @@ ActorCritic::Decision ActorCritic::Sample(const ObservationTensors& observation,
   const auto batch = static_cast<int64_t>(streams.size());
   const auto device = observation.vec.device();
   SAND_CHECK(encoding.whole.size(0) == batch, encoding.whole.size(0), batch);
+  if (choices_ > 0) return SampleChoice(encoding, streams);
   const int placed = has_map_ ? PlaceGrid::kNumbers : 0;
   auto action = torch::empty({batch, action_size_});
   float* const values = action.data_ptr<float>();
@@ -239,6 +268,8 @@ ActorCritic::Decision ActorCritic::Sample(const ObservationTensors& observation,
 torch::Tensor ActorCritic::Mean(const ObservationTensors& observation) {
   const torch::NoGradGuard no_grad;
   const Encoding encoding = Encode(observation);
+  if (choices_ > 0)
+    return rest_head_(encoding.whole).argmax(-1, true).to(torch::kCPU, torch::kFloat32);
   if (!has_map_) return BetaMean(RestOf(encoding, {})).to(torch::kCPU);
   const auto place = grid_.Centre(PlaceLogits(encoding, observation.map).argmax(-1));
   return torch::cat({place, BetaMean(RestOf(encoding, place))}, 1).to(torch::kCPU);
@@ -247,6 +278,11 @@ torch::Tensor ActorCritic::Mean(const ObservationTensors& observation) {
 ActorCritic::Terms ActorCritic::Evaluate(const ObservationTensors& observation,
                                          const torch::Tensor& action) {
   const Encoding encoding = Encode(observation);
+  if (choices_ > 0) {
+    const auto logits = rest_head_(encoding.whole);
+    return {CategoricalLogProb(logits, action.squeeze(1).to(torch::kInt64)),
+            CategoricalEntropy(logits), ValueOf(encoding)};
+  }
   if (!has_map_) {
     const BetaParameters all = RestOf(encoding, {});
     return {BetaLogProb(all, action), BetaEntropy(all), ValueOf(encoding)};

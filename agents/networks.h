@@ -3,7 +3,8 @@
 // With a map (the sand): a small convolutional pyramid gives features for each place of the map. A
 // stroke's start and heading are drawn from a grid over them (stroke_place.h), the rest of the
 // stroke (length, depths, bend) from Beta distributions whose parameters are read at the chosen
-// place. Without a map (tests on toy tasks): a plain perceptron and a Beta distribution a number.
+// place. Without a map (reference tasks): two perceptrons of two hidden tanh layers, as in the PPO
+// paper; a Beta distribution a number of the action, or one probability a choice.
 #pragma once
 
 #include <torch/torch.h>
@@ -12,6 +13,7 @@
 
 #include "agents/beta.h"
 #include "agents/network_config.h"
+#include "agents/observation_normalizer.h"
 #include "agents/stroke_place.h"
 #include "data/base/random.h"
 #include "env/vec_env.h"
@@ -37,19 +39,24 @@ class ActorCritic : public torch::nn::Module {
     torch::Tensor log_prob, entropy, value;  // [B]
   };
 
-  // Orthogonal initial weights drawn from `stream`: the policy starts near uniform over places, and
-  // the rest near config.first_guess. Error where that has another length than the rest.
+  // Orthogonal initial weights drawn from `stream`: the policy starts near uniform over places (or
+  // choices), and the rest near config.first_guess. Error where that has another length than the
+  // rest. `choices` as VecEnv::choices(), without a map only.
   ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
-              RandomStream& stream);
+              RandomStream& stream, int choices = 0);
 
   // One action a row, drawn with streams[row].
   Decision Sample(const ObservationTensors& observation, std::span<RandomStream> streams);
-  // The most probable place and the mean of the rest: [B, A] on the CPU.
+  // The most probable place and the mean of the rest, or the most probable choice: [B, A] on the
+  // CPU.
   torch::Tensor Mean(const ObservationTensors& observation);
   torch::Tensor Value(const ObservationTensors& observation);
   // For the update: how probable `action` [B, A] is, with gradients. The entropy of the Beta part
   // is that at the given action's place, a one-sample estimate of its mean.
   Terms Evaluate(const ObservationTensors& observation, const torch::Tensor& action);
+  // Where config.normalize asks for it: takes the observation's numbers into the running mean and
+  // variance that everything above brings them to.
+  void Observe(const ObservationTensors& observation);
 
  private:
   // Lets the first policy prefer surplus sand: adds place_skip_, through which what the map shows
@@ -60,15 +67,17 @@ class ActorCritic : public torch::nn::Module {
   struct Encoding {
     torch::Tensor places;  // [B, F, rows, columns]; undefined without a map
     torch::Tensor whole;   // [B, hidden]
+    torch::Tensor worth;   // [B, hidden]: what the value is read from
   };
   Encoding Encode(const ObservationTensors& observation);
   torch::Tensor PlaceLogits(const Encoding& encoding, const torch::Tensor& map);
+  Decision SampleChoice(const Encoding& encoding, std::span<RandomStream> streams);
   // Beta outputs given the place [B, 3] (undefined without a map).
   BetaParameters RestOf(const Encoding& encoding, const torch::Tensor& place);
   torch::Tensor ValueOf(const Encoding& encoding);
 
   bool has_map_;
-  int action_size_;
+  int action_size_, choices_;
   PlaceGrid grid_;
   torch::Tensor coordinates_;  // [1, 2, H, W]: x and y on [-1, 1]
   torch::nn::Conv2d fine_{nullptr}, middle_{nullptr}, coarse_{nullptr};
@@ -76,7 +85,8 @@ class ActorCritic : public torch::nn::Module {
   torch::nn::Conv2d place_head_{nullptr}, place_skip_{nullptr};
   torch::nn::Linear whole_in_{nullptr}, whole_out_{nullptr}, whole_mix_{nullptr};
   torch::nn::Linear rest_hidden_{nullptr}, rest_head_{nullptr};
-  torch::nn::Linear value_hidden_{nullptr}, value_head_{nullptr};
+  torch::nn::Linear value_in_{nullptr}, value_hidden_{nullptr}, value_head_{nullptr};
+  std::shared_ptr<ObservationNormalizer> normalizer_;
 };
 
 }  // namespace sandwright

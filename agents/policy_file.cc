@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/ranges.h>
 
+#include "agents/trainer.h"
 #include "data/base/error.h"
 #include "data/base/machine.h"
 #include "env/action.h"
@@ -27,35 +28,11 @@ nlohmann::json ActionSpecToJson() {
   return entries;
 }
 
-nlohmann::json ParsedMetadata(const Safetensors& content, const char* key,
-                              const std::string& source) {
-  try {
-    return nlohmann::json::parse(content.Metadata(key, source));
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(fmt::format("{}: metadata '{}' is damaged: {}", source, key, e.what()));
-  }
-}
-
 void CheckSame(const nlohmann::json& saved, const nlohmann::json& ours, const char* what,
                const std::string& source) {
   if (saved != ours)
     throw Error(fmt::format("{}: the policy's {} is {}; this program's is {}", source, what,
                             saved.dump(), ours.dump()));
-}
-
-void LoadWeights(const Safetensors& content, const std::string& source, ActorCritic& network) {
-  const torch::NoGradGuard no_grad;
-  for (auto& item : network.named_parameters()) {
-    const NamedTensor& saved = content.Tensor(kPrefix + item.key(), source);
-    if (saved.shape != item.value().sizes().vec())
-      throw Error(fmt::format("{}: weights '{}' have shape [{}], the network needs [{}]", source,
-                              item.key(), fmt::join(saved.shape, ", "),
-                              fmt::join(item.value().sizes().vec(), ", ")));
-    const auto values = torch::tensor(saved.values).view(saved.shape);
-    if (!torch::isfinite(values).all().item<bool>())
-      throw Error(fmt::format("{}: weights '{}' are not finite", source, item.key()));
-    item.value().copy_(values);
-  }
 }
 
 }  // namespace
@@ -75,11 +52,7 @@ Safetensors PackPolicy(const ActorCritic& network, const PolicyCard& card) {
       {"steps", nlohmann::json(card.steps).dump()},
       {"config", card.config.dump()},
       {"commit", BuildCommit()}};
-  for (const auto& item : network.named_parameters()) {
-    const auto cpu = item.value().detach().to(torch::kCPU).contiguous();
-    content.tensors[kPrefix + item.key()] = {
-        cpu.sizes().vec(), {cpu.data_ptr<float>(), cpu.data_ptr<float>() + cpu.numel()}};
-  }
+  SaveWeights(network, kPrefix, content);
   return content;
 }
 
@@ -110,7 +83,7 @@ Policy UnpackPolicy(const Safetensors& content, const std::string& source, torch
   RandomStream unused(0);  // every weight is replaced
   policy.network =
       std::make_unique<ActorCritic>(SpecOf(card.observation), kActionSize, card.network, unused);
-  LoadWeights(content, source, *policy.network);
+  LoadWeights(content, kPrefix, source, *policy.network);
   policy.network->to(device);
   return policy;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "data/base/error.h"
@@ -17,28 +16,6 @@ constexpr double kAdamEpsilon = 1e-5;
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-nlohmann::json StreamToJson(const RandomStream& stream) {
-  const auto& s = stream.state();
-  return {{"key", s.key}, {"counter", s.counter}, {"block", s.block}, {"used", s.used}};
-}
-
-RandomStream StreamFromJson(const nlohmann::json& json) {
-  RandomStream::State s{};
-  json.at("key").get_to(s.key);
-  json.at("counter").get_to(s.counter);
-  json.at("block").get_to(s.block);
-  json.at("used").get_to(s.used);
-  return RandomStream(s);
-}
-
-void CheckFinite(const StepBatch& step) {
-  const auto finite = [](float value) { return std::isfinite(value); };
-  SAND_CHECK(std::ranges::all_of(step.reward, finite), "the environment gave a reward that is NaN");
-  SAND_CHECK(std::ranges::all_of(step.observation.map, finite) &&
-                 std::ranges::all_of(step.observation.vec, finite),
-             "the environment gave an observation that is NaN");
 }
 
 // The rows of `batch` where `chosen` is not 0.
@@ -169,6 +146,12 @@ torch::Tensor Ppo::Permutation(int64_t count) {
   return order.to(device_);
 }
 
+double Ppo::ShareLeft(const std::string& schedule) const {
+  if (schedule == "constant") return 1;
+  const auto total = static_cast<double>(std::max<int64_t>(total_steps_, 1));
+  return std::max(0.0, 1.0 - static_cast<double>(steps_) / total);
+}
+
 double Ppo::Step(const Rollout& rollout, const torch::Tensor& index, PpoReport& report) {
   const auto rows = [&](const torch::Tensor& t) { return t.index_select(0, index); };
   const auto terms = network_.Evaluate(
@@ -179,7 +162,7 @@ double Ppo::Step(const Rollout& rollout, const torch::Tensor& index, PpoReport& 
   advantage = (advantage - advantage.mean()) / (advantage.std() + 1e-8);
 
   // Equation 7 of the PPO paper, as a loss.
-  const double clip = config_.clip_range;
+  const double clip = report.clip_range;
   const auto policy_loss =
       -torch::min(ratio * advantage, ratio.clamp(1.0 - clip, 1.0 + clip) * advantage).mean();
   const auto target = rows(rollout.value_target);
@@ -217,10 +200,8 @@ PpoReport Ppo::Update() {
   const Rollout rollout = Collect(report);
   report.rollout_s = SecondsSince(start);
   start = Clock::now();
-  const double done =
-      static_cast<double>(steps_) / static_cast<double>(std::max<int64_t>(total_steps_, 1));
-  const double share = config_.learning_rate_schedule == "linear" ? std::max(0.0, 1.0 - done) : 1.0;
-  report.learning_rate = config_.learning_rate * share;
+  report.learning_rate = config_.learning_rate * ShareLeft(config_.learning_rate_schedule);
+  report.clip_range = config_.clip_range * ShareLeft(config_.clip_range_schedule);
   report.explained_variance = ExplainedVariance(rollout.value, rollout.value_target);
 
   const int64_t count = rollout.action.size(0);
@@ -240,42 +221,56 @@ PpoReport Ppo::Update() {
                        &report.clip_fraction, &report.gradient_norm})
     *mean /= static_cast<double>(gradient_steps);
   steps_ += count;
+  // Only now: while the rollout was learnt from, observations had to look as when it was collected.
+  network_.Observe(rollout.observation);
   report.update_s = SecondsSince(start);
   return report;
 }
 
+std::map<std::string, double> Ppo::Advance() {
+  const int64_t before = steps_;
+  const PpoReport report = Update();
+  auto scalars = EpisodeScalars(report.finished);
+  scalars.merge(std::map<std::string, double>{
+      {"train/policy_loss", report.policy_loss},
+      {"train/value_loss", report.value_loss},
+      {"train/entropy", report.entropy},
+      {"train/approx_kl", report.approx_kl},
+      {"train/clip_fraction", report.clip_fraction},
+      {"train/explained_variance", report.explained_variance},
+      {"train/gradient_norm", report.gradient_norm},
+      {"train/learning_rate", report.learning_rate},
+      {"train/epochs", static_cast<double>(report.epochs)},
+      {"time/fps",
+       static_cast<double>(steps_ - before) / (report.rollout_s + report.update_s)},
+      {"time/rollout_s", report.rollout_s},
+      {"time/update_s", report.update_s}});
+  return scalars;
+}
+
+torch::Tensor Ppo::Mean(const ObservationBatch& observation) {
+  return network_.Mean(ToTensors(observation, env_.observation_spec(), device_)).contiguous();
+}
+
 void Ppo::Save(Safetensors& content) const {
   nlohmann::json state = {{"steps", steps_},
-                          {"optimizer_steps", optimizer_.steps()},
                           {"shuffle", StreamToJson(shuffle_stream_)},
                           {"action", nlohmann::json::array()}};
   for (const auto& stream : action_streams_) state["action"].push_back(StreamToJson(stream));
   content.metadata["ppo_state"] = state.dump();
-  const auto add = [&](const std::string& name, const torch::Tensor& moment) {
-    const auto cpu = moment.to(torch::kCPU);
-    content.tensors[name] = {{cpu.numel()},
-                             {cpu.data_ptr<float>(), cpu.data_ptr<float>() + cpu.numel()}};
-  };
-  add("ppo.first_moment", optimizer_.first_moment());
-  add("ppo.second_moment", optimizer_.second_moment());
+  SaveWeights(network_, "network.", content);
+  optimizer_.Save("ppo", content);
 }
 
 void Ppo::Load(const Safetensors& content, const std::string& source) {
-  const auto state = nlohmann::json::parse(content.Metadata("ppo_state", source));
+  const auto state = ParsedMetadata(content, "ppo_state", source);
   if (state.at("action").size() != action_streams_.size())
     throw Error(source + ": saved with another number of environments (" +
                 std::to_string(state.at("action").size()) + " instead of " +
                 std::to_string(action_streams_.size()) + ")");
-  const auto load = [&](const std::string& name, const torch::Tensor& moment) {
-    const NamedTensor& saved = content.Tensor(name, source);
-    if (static_cast<int64_t>(saved.values.size()) != moment.numel())
-      throw Error(source + ": " + name + " belongs to another network");
-    moment.copy_(torch::tensor(saved.values));
-  };
-  load("ppo.first_moment", optimizer_.first_moment());
-  load("ppo.second_moment", optimizer_.second_moment());
+  LoadWeights(content, "network.", source, network_);
+  optimizer_.Load("ppo", content, source);
   steps_ = state.at("steps");
-  optimizer_.set_steps(state.at("optimizer_steps"));
   shuffle_stream_ = StreamFromJson(state.at("shuffle"));
   for (size_t i = 0; i < action_streams_.size(); ++i)
     action_streams_[i] = StreamFromJson(state.at("action")[i]);

@@ -8,8 +8,7 @@
 #include "agents/flat_adam.h"
 #include "agents/networks.h"
 #include "agents/ppo_config.h"
-#include "env/safetensors.h"
-#include "env/vec_env.h"
+#include "agents/trainer.h"
 
 namespace sandwright {
 
@@ -27,15 +26,13 @@ Advantages EstimateAdvantages(std::span<const float> reward, std::span<const flo
 // What one update did.
 struct PpoReport {
   double policy_loss = 0, value_loss = 0, entropy = 0, approx_kl = 0, clip_fraction = 0;
-  double explained_variance = 0, gradient_norm = 0, learning_rate = 0;
+  double explained_variance = 0, gradient_norm = 0, learning_rate = 0, clip_range = 0;
   double rollout_s = 0, update_s = 0;
   int64_t epochs = 0;                    // started, fewer than asked where target_kl stopped them
   std::vector<EpisodeSummary> finished;  // episodes that ended in the rollout
 };
 
-// The same environment, network, configuration and seed give the same parameters, bit for bit (one
-// thread count of torch).
-class Ppo {
+class Ppo final : public Trainer {
  public:
   // `env` and `network` must outlive it. The seed fixes action noise, shuffling and episodes.
   Ppo(VecEnv& env, ActorCritic& network, const PpoConfig& config, int64_t total_steps,
@@ -43,14 +40,15 @@ class Ppo {
 
   // One rollout of num_steps * num_envs steps, then the epochs over it.
   PpoReport Update();
-  int64_t steps() const { return steps_; }  // of environments, so far
+  // An update's report by tag: train/..., time/fps, time/rollout_s, time/update_s and EpisodeScalars.
+  std::map<std::string, double> Advance() override;
+  int64_t steps() const override { return steps_; }
 
-  // All environments start new episodes, fixed by the seed and the steps so far. Called where a
-  // checkpoint is written, so that a run that is resumed there repeats the one that was not.
-  void RestartEpisodes();
-  // Everything but the configuration and the environments' episodes.
-  void Save(Safetensors& content) const;
-  void Load(const Safetensors& content, const std::string& source);
+  void RestartEpisodes() override;
+  void Save(Safetensors& content) const override;
+  void Load(const Safetensors& content, const std::string& source) override;
+  torch::Tensor Mean(const ObservationBatch& observation) override;
+  const torch::nn::Module& network() const override { return network_; }
 
  private:
   struct Rollout {
@@ -62,6 +60,8 @@ class Ppo {
   // One gradient step on the rows `index` of the rollout; returns the KL estimate.
   double Step(const Rollout& rollout, const torch::Tensor& index, PpoReport& report);
   torch::Tensor Permutation(int64_t count);
+  // What a schedule leaves of its first value after the steps so far.
+  double ShareLeft(const std::string& schedule) const;
 
   VecEnv& env_;
   ActorCritic& network_;

@@ -15,6 +15,7 @@ struct PpoConfig {
   double learning_rate = 1e-3;
   std::string learning_rate_schedule = "linear";
   double clip_range = 0.2, value_clip_range = 0;
+  std::string clip_range_schedule = "constant";
   double entropy_coefficient = 0.003, value_coefficient = 0.5;
   double max_gradient_norm = 0.5;
   double target_kl = 0.03;
@@ -28,7 +29,9 @@ struct PpoConfig {
     f.Add("learning_rate", learning_rate, "of Adam, at the start", 0, 1);
     f.Add("learning_rate_schedule", learning_rate_schedule, "over total_steps; linear ends at 0",
           {"linear", "constant"});
-    f.Add("clip_range", clip_range, "of the probability ratio", 0, 1);
+    f.Add("clip_range", clip_range, "of the probability ratio, at the start", 0, 1);
+    f.Add("clip_range_schedule", clip_range_schedule, "over total_steps; linear ends at 0",
+          {"linear", "constant"});
     f.Add("value_clip_range", value_clip_range, "of a value's change in an update; 0: unlimited", 0,
           1e6);
     f.Add("entropy_coefficient", entropy_coefficient, "reward a nat of the policy's entropy", 0,

@@ -23,9 +23,13 @@ constexpr std::array kColumns = {"rollout/ep_rew_mean",
                                  "eval/in_goal_mean_diff_start_mm",
                                  "eval/in_goal_mean_diff_mm",
                                  "eval/success_rate",
+                                 "eval/mean_reward",
                                  "train/policy_loss",
                                  "train/value_loss",
                                  "train/entropy",
+                                 "train/critic_loss",
+                                 "train/actor_loss",
+                                 "train/ent_coef",
                                  "train/approx_kl",
                                  "train/clip_fraction",
                                  "train/explained_variance",
@@ -37,30 +41,6 @@ constexpr std::array kColumns = {"rollout/ep_rew_mean",
                                  "time/update_s"};
 
 }  // namespace
-
-std::map<std::string, double> ScalarsOf(const PpoReport& report, int64_t steps_per_update) {
-  std::map<std::string, double> scalars = {
-      {"train/policy_loss", report.policy_loss},
-      {"train/value_loss", report.value_loss},
-      {"train/entropy", report.entropy},
-      {"train/approx_kl", report.approx_kl},
-      {"train/clip_fraction", report.clip_fraction},
-      {"train/explained_variance", report.explained_variance},
-      {"train/gradient_norm", report.gradient_norm},
-      {"train/learning_rate", report.learning_rate},
-      {"train/epochs", static_cast<double>(report.epochs)},
-      {"time/fps", static_cast<double>(steps_per_update) / (report.rollout_s + report.update_s)},
-      {"time/rollout_s", report.rollout_s},
-      {"time/update_s", report.update_s}};
-  const auto count = static_cast<double>(report.finished.size());
-  for (const EpisodeSummary& episode : report.finished) {
-    scalars["rollout/ep_rew_mean"] += episode.episode_return / count;
-    scalars["rollout/ep_len_mean"] += episode.length / count;
-    for (const auto& [name, value] : episode.metrics)
-      scalars["rollout/" + (name == "success" ? "success_rate" : name)] += value / count;
-  }
-  return scalars;
-}
 
 RunLog::RunLog(const std::filesystem::path& folder, int64_t first_step)
     : csv_(folder / "progress.csv"), tensorboard_(folder) {

@@ -2,19 +2,14 @@
 // under the names that other trainers' dashboards know.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 
-#include "agents/ppo.h"
 #include "data/base/tensorboard.h"
 
 namespace sandwright {
-
-// Tags and values of one update: rollout/ep_rew_mean, rollout/success_rate, time/fps, train/... and
-// rollout/<metric> for each metric of the finished episodes. Tags of a rollout without finished
-// episodes are left out.
-std::map<std::string, double> ScalarsOf(const PpoReport& report, int64_t steps_per_update);
 
 class RunLog {
  public:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "agents/categorical.h"
 #include "data/base/error.h"
 
 namespace sandwright {
@@ -37,23 +38,17 @@ torch::Tensor PlaceGrid::Centre(const torch::Tensor& bin) const {
 }
 
 torch::Tensor PlaceGrid::LogProb(const torch::Tensor& logits, const torch::Tensor& bin) const {
-  return torch::log_softmax(logits, -1).gather(-1, bin.unsqueeze(-1)).squeeze(-1) - LogVolume();
+  return CategoricalLogProb(logits, bin) - LogVolume();
 }
 
 torch::Tensor PlaceGrid::Entropy(const torch::Tensor& logits) const {
-  const auto log_probability = torch::log_softmax(logits, -1);
-  return LogVolume() - (log_probability.exp() * log_probability).sum(-1);
+  return LogVolume() + CategoricalEntropy(logits);
 }
 
 std::array<float, PlaceGrid::kNumbers> PlaceGrid::Sample(std::span<const float> probability,
                                                          RandomStream& stream) const {
   SAND_CHECK(static_cast<int>(probability.size()) == bins(), probability.size(), bins());
-  double left = stream.Uniform();
-  int bin = 0;
-  for (; bin + 1 < bins(); ++bin) {
-    left -= probability[static_cast<size_t>(bin)];
-    if (left < 0) break;
-  }
+  const int bin = SampleCategorical(probability, stream);
   // A little off the edges, so that rounding to float cannot leave the bin.
   auto within = [&](int part, int count) {
     return static_cast<float>((part + stream.Uniform(0.001, 0.999)) * 2.0 / count - 1.0);

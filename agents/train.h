@@ -1,4 +1,5 @@
-// The training loop: environments, PPO, checkpoints, evaluation, logs, in one run folder.
+// The training loop: environments, a learning algorithm, checkpoints, evaluation, logs, in one run
+// folder.
 #pragma once
 
 #include <filesystem>
@@ -7,12 +8,16 @@
 
 #include "agents/network_config.h"
 #include "agents/ppo_config.h"
+#include "agents/sac_config.h"
 #include "env/load_sand_model.h"
+#include "env/reference/reference_task.h"
 #include "env/shaping_env.h"
 
 namespace sandwright {
 
 struct TrainConfig {
+  std::string algorithm = "ppo";
+  std::string reference = "none";
   int64_t total_steps = 60000;
   std::string device = "auto";
   int64_t torch_threads = 1;
@@ -27,9 +32,19 @@ struct TrainConfig {
   ShapingConfig env;
   NetworkConfig network;
   PpoConfig ppo;
+  SacConfig sac;
+  TqcConfig tqc;
+
+  bool OnSand() const { return reference == "none"; }
 
   void Fields(FieldList& f) {
-    f.Add("total_steps", total_steps, "strokes to train on", 1, 1e12);
+    std::vector<std::string> tasks = ReferenceTaskNames();
+    tasks.insert(tasks.begin(), "none");
+    f.Add("algorithm", algorithm, "that learns; tqc reads the keys of sac as well",
+          {"ppo", "sac", "tqc"});
+    f.Add("reference", reference, "task that trainers are compared on, in the place of the sand",
+          tasks);
+    f.Add("total_steps", total_steps, "strokes (steps of a reference task) to train on", 1, 1e12);
     f.Add("device", device, "where the network computes; cuda falls back to cpu with auto only",
           {"auto", "cpu", "cuda"});
     f.Add("torch_threads", torch_threads,
@@ -41,9 +56,10 @@ struct TrainConfig {
           "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
     f.Add("tasks.file", tasks_file,
           "task file to draw training tasks from; empty: generate by `task`");
-    f.Add("evaluate_every", evaluate_every, "strokes between evaluations; 0: never", 0, 1e12);
+    f.Add("evaluate_every", evaluate_every, "strokes between evaluations; 0: at the end only", 0, 1e12);
     f.Add("evaluation_tasks", evaluation_tasks,
-          "generated tasks of an evaluation, unseen in training", 1, 10000);
+          "generated tasks (episodes of a reference task) of an evaluation, unseen in training", 1,
+          10000);
     f.Add("checkpoint_every", checkpoint_every, "strokes between checkpoints; 0: at the end only",
           0, 1e12);
     sand.Fields(f);
@@ -51,6 +67,8 @@ struct TrainConfig {
     f.Section("env", env);
     f.Section("network", network);
     f.Section("ppo", ppo);
+    f.Section("sac", sac);
+    f.Section("tqc", tqc);
   }
 };
 
@@ -62,13 +80,10 @@ struct TrainRun {
   bool resume = false;  // continue from the folder's last checkpoint; `seed` is taken from there
 };
 
-// Leaves in the folder: config.yaml, checkpoints/, best.safetensors (the least error in
+// Leaves in the folder: config.yaml, checkpoints/, best.safetensors (the best in
 // evaluations), agent.safetensors (the end), progress.csv, TensorBoard events. Ctrl-C: writes a
 // checkpoint, then throws Error (kInterrupted). A resumed run repeats an uninterrupted one bit for
 // bit where it was resumed at a regular checkpoint. Returns what `train --json` shows.
 nlohmann::json Train(TrainConfig config, TrainRun run);
-
-// The last checkpoint of a run folder; Error where there is none.
-std::filesystem::path LastCheckpoint(const std::filesystem::path& folder);
 
 }  // namespace sandwright

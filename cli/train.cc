@@ -1,4 +1,4 @@
-// sandwright train: learns to shape sand, headless, into a run folder.
+// sandwright train: learns to shape sand, or a reference task, headless, into a run folder.
 #include "agents/train.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -40,18 +40,28 @@ class TrainCommand final : public Command {
     const auto result =
         Train(config_,
               {.folder = folder, .seed = seed(), .threads = threads(), .resume = !resume_.empty()});
-    fmt::print(
-        "{} strokes in {:.0f} s: goal error {:.2f} -> {:.2f} mm on {} unseen tasks (best {:.2f}): "
-        "{}\n",
-        result["steps"].get<int64_t>(), result["seconds"].get<double>(),
-        result["validation_in_goal_mean_diff_start_mm"].get<double>(),
-        result["validation_in_goal_mean_diff_mm"].get<double>(), config_.evaluation_tasks,
-        result["validation_in_goal_mean_diff_best_mm"].get<double>(), folder);
+    fmt::print("{} {} in {:.0f} s{}: {}\n", result["steps"].get<int64_t>(),
+               config_.OnSand() ? "strokes" : "steps", result["seconds"].get<double>(),
+               Outcome(result), folder);
     WriteResult(result);
     return 0;
   }
 
  private:
+  // What the last evaluation said; a run that had been complete before has none.
+  std::string Outcome(const nlohmann::json& result) const {
+    const auto number = [&](const char* key) { return result.at(key).get<double>(); };
+    if (result.contains("mean_reward"))
+      return fmt::format(", mean return {:.1f} +- {:.1f} over {} unseen episodes (best {:.1f})",
+                         number("mean_reward"), number("std_reward"), config_.evaluation_tasks,
+                         number("mean_reward_best"));
+    if (!result.contains("validation_in_goal_mean_diff_mm")) return "";
+    return fmt::format(", goal error {:.2f} -> {:.2f} mm on {} unseen tasks (best {:.2f})",
+                       number("validation_in_goal_mean_diff_start_mm"),
+                       number("validation_in_goal_mean_diff_mm"), config_.evaluation_tasks,
+                       number("validation_in_goal_mean_diff_best_mm"));
+  }
+
   TrainConfig config_;
   std::string out_, resume_;
 };

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "agents/beta.h"
+#include "agents/categorical.h"
 #include "agents/stroke_place.h"
 
 namespace sandwright {
@@ -73,6 +74,19 @@ TEST(Beta, SamplesHaveTheRightMomentsAndBounds) {
     EXPECT_NEAR(mean, 2 * c.alpha / total - 1, 4 * sd / std::sqrt(n));
     EXPECT_NEAR(std::sqrt(squares / n - mean * mean), sd, 0.02 * sd);
   }
+}
+
+TEST(Categorical, HandNumbers) {
+  // Probabilities 1/4 and 3/4.
+  const auto logits = torch::tensor({{0.0f, std::log(3.0f)}});
+  EXPECT_NEAR(CategoricalLogProb(logits, torch::tensor({1})).item<double>(), std::log(0.75), 1e-6);
+  EXPECT_NEAR(CategoricalEntropy(logits).item<double>(),
+              -0.25 * std::log(0.25) - 0.75 * std::log(0.75), 1e-6);
+  RandomStream stream(4);
+  const std::vector<float> probability = {0.25f, 0.75f};
+  int second = 0;
+  for (int i = 0; i < 4000; ++i) second += SampleCategorical(probability, stream);
+  EXPECT_NEAR(second, 3000, 4 * std::sqrt(4000 * 0.25 * 0.75));
 }
 
 TEST(PlaceGrid, CentresLieInTheirBins) {

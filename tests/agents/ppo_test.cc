@@ -102,11 +102,11 @@ TEST(FlatAdam, MatchesTorch) {
   EXPECT_TRUE(torch::allclose(ours->bias, theirs->bias, 1e-4, 1e-6));
 }
 
-struct Trainer {
-  explicit Trainer(uint64_t seed, int64_t total_steps = 4096)
+struct Trainee {
+  explicit Trainee(uint64_t seed, int64_t total_steps = 4096)
       : env(8),
         stream(seed),
-        network(env.observation_spec(), 1, {.hidden = 16}, stream),
+        network(env.observation_spec(), 1, {.hidden = 16, .normalize = true}, stream),
         ppo(env, network, {.num_steps = 16, .minibatch_size = 32}, total_steps, seed, torch::kCPU) {
     torch::set_num_threads(1);
   }
@@ -117,24 +117,19 @@ struct Trainer {
 };
 
 TEST(Ppo, TheSameSeedGivesTheSameParameters) {
-  Trainer first(7), second(7), other(8);
+  Trainee first(7), second(7), other(8);
   for (int i = 0; i < 4; ++i) first.ppo.Update(), second.ppo.Update(), other.ppo.Update();
   EXPECT_EQ(ParametersOf(first.network), ParametersOf(second.network));
   EXPECT_NE(ParametersOf(first.network), ParametersOf(other.network));
 }
 
 TEST(Ppo, ResumedEqualsUninterrupted) {
-  Trainer whole(7);
+  Trainee whole(7);
   for (int i = 0; i < 3; ++i) whole.ppo.Update();
   whole.ppo.RestartEpisodes();
   Safetensors saved;
   whole.ppo.Save(saved);
-  Trainer resumed(7);
-  {
-    const torch::NoGradGuard no_grad;
-    const auto from = whole.network.parameters(), to = resumed.network.parameters();
-    for (size_t i = 0; i < from.size(); ++i) to[i].copy_(from[i]);
-  }
+  Trainee resumed(7);
   resumed.ppo.Load(saved, "test");
   for (int i = 0; i < 3; ++i) whole.ppo.Update(), resumed.ppo.Update();
   EXPECT_EQ(whole.ppo.steps(), resumed.ppo.steps());
@@ -142,12 +137,42 @@ TEST(Ppo, ResumedEqualsUninterrupted) {
 }
 
 TEST(Ppo, ForeignStateIsRefused) {
-  Trainer trainer(7);
+  Trainee trainer(7);
   Safetensors saved;
   EXPECT_THROW(trainer.ppo.Load(saved, "file"), Error);
   trainer.ppo.Save(saved);
   saved.tensors["ppo.first_moment"] = {{1}, {0}};
   EXPECT_THROW(trainer.ppo.Load(saved, "file"), Error);
+}
+
+TEST(Ppo, SchedulesFallWithTheSteps) {
+  torch::set_num_threads(1);
+  MoveToTarget env(8);
+  RandomStream stream(1);
+  ActorCritic network(env.observation_spec(), 1, {.hidden = 16}, stream);
+  Ppo ppo(env, network,
+          {.num_steps = 16, .learning_rate = 0.01, .clip_range = 0.4,
+           .clip_range_schedule = "linear"},
+          4 * 128, 1, torch::kCPU);
+  for (const double left : {1.0, 0.75, 0.5, 0.25}) {
+    const PpoReport report = ppo.Update();
+    EXPECT_DOUBLE_EQ(report.learning_rate, 0.01 * left);
+    EXPECT_DOUBLE_EQ(report.clip_range, 0.4 * left);
+  }
+}
+
+TEST(ObservationNormalizer, ManyBatchesEqualOne) {
+  torch::manual_seed(0);
+  const auto rows = torch::randn({300, 2}) * torch::tensor({3.0f, 0.01f}) + 50;
+  ObservationNormalizer whole(2), parts(2);
+  EXPECT_TRUE(torch::equal(whole.Forward(rows.slice(0, 0, 1)).clamp(10, 10), torch::full({1, 2}, 10)));
+  whole.Observe(rows);
+  for (const auto& part : rows.tensor_split(7)) parts.Observe(part);
+  const auto normal = whole.Forward(rows);
+  EXPECT_TRUE(torch::allclose(normal.mean(0), torch::zeros({2}), 0, 1e-2));
+  EXPECT_TRUE(torch::allclose(normal.var(0, false), torch::ones({2}), 1e-2));
+  EXPECT_TRUE(torch::allclose(parts.Forward(rows), normal, 1e-3, 1e-2));
+  EXPECT_EQ(whole.Forward(torch::full({1, 2}, 1e9f)).max().item<float>(), 10.0f);
 }
 
 TEST(PpoLearning, WalksToTheTarget) {

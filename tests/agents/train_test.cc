@@ -10,6 +10,7 @@
 
 #include "agents/evaluate.h"
 #include "agents/load_agent.h"
+#include "agents/run_folder.h"
 #include "data/base/atomic_file.h"
 #include "data/base/error.h"
 #include "data/base/stop.h"
@@ -70,7 +71,7 @@ TEST(Train, LeavesTheWholeRunFolder) {
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
   EXPECT_EQ(LastCheckpoint(folder).filename(), "000000000256.safetensors");
   EXPECT_THAT(ReadFile(folder / "config.yaml"),
-              HasSubstr("total_steps: 256  # strokes to train on"));
+              HasSubstr("total_steps: 256  # strokes (steps of a reference task) to train on"));
   const std::string csv = ReadFile(folder / "progress.csv");
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + 4);
   TrainConfig again;
@@ -94,6 +95,58 @@ TEST(Train, ResumedEqualsUninterruptedBitForBit) {
   EXPECT_EQ(WeightsOf(parts / "agent.safetensors"), WeightsOf(whole / "agent.safetensors"));
   EXPECT_EQ(WeightsOf(LastCheckpoint(parts)), WeightsOf(LastCheckpoint(whole)));
   EXPECT_EQ(std::ranges::count(ReadFile(parts / "progress.csv"), '\n'), 1 + 4);
+}
+
+TrainConfig ReferenceConfig(const std::string& algorithm) {
+  TrainConfig config;
+  config.device = "cpu";
+  config.algorithm = algorithm;
+  config.reference = algorithm == "ppo" ? "CartPole-v1" : "Pendulum-v1";
+  config.total_steps = 2000;
+  config.evaluate_every = config.checkpoint_every = 1000;
+  config.evaluation_tasks = 3;
+  config.env.num_envs = 2;
+  config.network.hidden = 8;
+  config.network.normalize = true;
+  config.ppo.num_steps = 50;
+  config.ppo.learning_rate_schedule = "constant";
+  config.sac.batch_size = 8;
+  config.sac.hidden = 8;
+  config.sac.noise_color = 1;
+  return config;
+}
+
+TEST(Train, ReferenceTasksResumeBitForBit) {
+  for (const std::string algorithm : {"ppo", "sac", "tqc"}) {
+    const TrainConfig config = ReferenceConfig(algorithm);
+    const auto whole = Folder("reference_whole"), parts = Folder("reference_parts");
+    const nlohmann::json result = Train(config, {whole, 3, 1, false});
+    EXPECT_EQ(result["steps"], 2000) << algorithm;
+    EXPECT_EQ(result["mean_reward"].get<double>() < 0, algorithm != "ppo");
+    EXPECT_GE(result["mean_reward_best"], result["mean_reward"]);
+    for (const char* name : {"best.safetensors", "agent.safetensors", "progress.csv"})
+      EXPECT_TRUE(std::filesystem::exists(whole / name)) << name;
+    TrainConfig half = config;
+    half.total_steps = 1000;
+    Train(half, {parts, 3, 1, false});
+    EXPECT_NE(WeightsOf(parts / "agent.safetensors"), WeightsOf(whole / "agent.safetensors"));
+    Train(config, {parts, 999, 2, true});
+    EXPECT_EQ(WeightsOf(parts / "agent.safetensors"), WeightsOf(whole / "agent.safetensors"));
+    EXPECT_EQ(WeightsOf(LastCheckpoint(parts)), WeightsOf(LastCheckpoint(whole))) << algorithm;
+  }
+}
+
+TEST(Train, WhatDoesNotFitIsNamed) {
+  const auto folder = Folder("foreign");
+  Train(ReferenceConfig("sac"), {folder, 3, 1, false});
+  TrainConfig other = ReferenceConfig("tqc");
+  EXPECT_THAT(MessageOf([&] { Train(other, {folder, 3, 1, true}); }),
+              HasSubstr("algorithm is 'sac'; this run's is 'tqc'"));
+  TrainConfig sand = SmallConfig();
+  sand.algorithm = "sac";
+  EXPECT_THAT(MessageOf([&] { Train(sand, {Folder("sac_on_sand"), 3, 1, false}); }),
+              HasSubstr("algorithm = sac: the sand is seen as a map"));
+  EXPECT_FALSE(std::filesystem::exists(folder.parent_path() / "sac_on_sand"));
 }
 
 TEST(Train, AStopLeavesACheckpoint) {

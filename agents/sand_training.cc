@@ -1,0 +1,122 @@
+#include <spdlog/fmt/fmt.h>
+
+#include "agents/evaluate.h"
+#include "agents/policy_agent.h"
+#include "agents/ppo.h"
+#include "agents/training.h"
+#include "data/base/error.h"
+#include "env/load_gate.h"
+#include "env/load_sand_model.h"
+
+namespace sandwright {
+namespace {
+
+// Tasks that choose the best parameters: neither trained on nor those that `eval` reports.
+constexpr uint64_t kValidationTasks = StreamId("validation task");
+static_assert(kValidationTasks != kTrainingTasks && kValidationTasks != kEvaluationTasks);
+
+std::vector<Task> ValidationTasks(const TrainConfig& config, uint64_t seed) {
+  std::vector<Task> tasks;
+  for (int64_t i = 0; i < config.evaluation_tasks; ++i) {
+    RandomStream stream(seed, kValidationTasks, static_cast<uint64_t>(i));
+    tasks.push_back(GenerateTask(config.task, stream));
+  }
+  return tasks;
+}
+
+TaskSource TrainingTasks(const TrainConfig& config) {
+  return config.tasks_file.empty() ? TasksFrom(config.task)
+                                   : TasksFrom(ReadTasks(config.tasks_file));
+}
+
+class SandTraining final : public Training {
+ public:
+  SandTraining(const TrainConfig& config, const TrainRun& run)
+      : config_(config),
+        seed_(run.seed),
+        device_(SelectDevice(config.device)),
+        sand_(LoadSandModel(config.model, config.sand)),
+        gate_(LoadGate(config.workcell)),
+        world_{*sand_, gate_.get(), run.threads},
+        env_(config.env, world_, TrainingTasks(config)),
+        initial_(run.seed, StreamId("initial weights")),
+        network_(env_.observation_spec(), env_.action_size(), config.network, initial_),
+        validation_(ValidationTasks(config, run.seed)),
+        ppo_(env_, network_, config.ppo, config.total_steps, run.seed, device_) {
+    card_.network = config.network;
+    card_.observation = config.env.observation;
+    const EpisodeConfig& episode = config.env.episode;
+    card_.region_width_m =
+        episode.region_width_m > 0 ? episode.region_width_m : validation_[0].goal.width_m();
+    card_.region_depth_m =
+        episode.region_depth_m > 0 ? episode.region_depth_m : validation_[0].goal.depth_m();
+    card_.seed = run.seed;
+    card_.config = ToJson(FieldsOf(config_));
+  }
+
+  Trainer& trainer() override { return ppo_; }
+
+  std::optional<Verdict> Evaluate() override {
+    PolicyAgent agent("policy", card_, network_, device_);
+    const Evaluation result =
+        sandwright::Evaluate(agent, world_, config_.env.episode, validation_, seed_);
+    if (result.stopped) return {};
+    const double start_mm = result.Mean("in_goal_mean_diff_start_mm"),
+                 end_mm = result.Mean("in_goal_mean_diff_mm");
+    return Verdict{end_mm,
+                   {{"eval/in_goal_mean_diff_start_mm", start_mm},
+                    {"eval/in_goal_mean_diff_mm", end_mm},
+                    {"eval/success_rate", result.Mean("success")}},
+                   fmt::format("goal error {:.2f} -> {:.2f} mm", start_mm, end_mm)};
+  }
+
+  nlohmann::json EvaluatedOn() const override {
+    nlohmann::json on;
+    for (const char* key : {"model", "workcell", "heightfield", "task", "env", "evaluation_tasks"})
+      on[key] = card_.config.at(key);
+    return on;
+  }
+
+  Safetensors Pack() override {
+    card_.steps = ppo_.steps();
+    return PackPolicy(network_, card_);
+  }
+
+  void CheckSame(const Safetensors& checkpoint, const std::string& source) const override {
+    UnpackPolicy(checkpoint, source, torch::kCPU);
+  }
+
+  nlohmann::json Result(const Verdict& last, double least_cost) const override {
+    return {{"validation_in_goal_mean_diff_start_mm",
+             last.scalars.at("eval/in_goal_mean_diff_start_mm")},
+            {"validation_in_goal_mean_diff_mm", last.cost},
+            {"validation_in_goal_mean_diff_best_mm", least_cost}};
+  }
+
+ private:
+  TrainConfig config_;
+  uint64_t seed_;
+  torch::Device device_;
+  std::unique_ptr<const SandModel> sand_;
+  std::unique_ptr<const SafetyGate> gate_;
+  World world_;
+  ShapingEnv env_;
+  RandomStream initial_;
+  ActorCritic network_;
+  std::vector<Task> validation_;
+  Ppo ppo_;
+  PolicyCard card_;
+};
+
+}  // namespace
+
+std::unique_ptr<Training> MakeSandTraining(const TrainConfig& config, const TrainRun& run) {
+  if (config.algorithm != "ppo")
+    throw Error(fmt::format(
+        "algorithm = {}: the sand is seen as a map, which ppo alone learns from; allowed: ppo, or "
+        "a reference task",
+        config.algorithm));
+  return std::make_unique<SandTraining>(config, run);
+}
+
+}  // namespace sandwright

@@ -1,0 +1,59 @@
+// What every learning algorithm is to the training loop, and what all of them share.
+#pragma once
+
+#include <torch/torch.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "data/base/random.h"
+#include "env/safetensors.h"
+#include "env/vec_env.h"
+
+namespace sandwright {
+
+// Steps environments that outlive it and learns from them. Configuration, environment and seed fix
+// every parameter, bit for bit (one thread count of torch).
+class Trainer {
+ public:
+  virtual ~Trainer() = default;
+
+  // Goes on for a stretch and returns what is worth logging of it, by tag.
+  virtual std::map<std::string, double> Advance() = 0;
+  virtual int64_t steps() const = 0;  // of environments, so far
+
+  // All environments start new episodes, and what belongs to an episode does (exploration noise),
+  // fixed by the seed and the steps so far. Called where a
+  // checkpoint is written, so that a run that is resumed there repeats the one that was not.
+  virtual void RestartEpisodes() = 0;
+  // Everything but the configuration and the environments' episodes, which Load starts anew. Load
+  // throws Error naming `source` where the state is another algorithm's or of another size.
+  virtual void Save(Safetensors& content) const = 0;
+  virtual void Load(const Safetensors& content, const std::string& source) = 0;
+
+  // The deterministic policy: [B, A] on the CPU, and its network.
+  virtual torch::Tensor Mean(const ObservationBatch& observation) = 0;
+  virtual const torch::nn::Module& network() const = 0;
+};
+
+// rollout/ep_rew_mean, rollout/ep_len_mean, rollout/success_rate and rollout/<metric> of finished
+// episodes; none where there are none.
+std::map<std::string, double> EpisodeScalars(std::span<const EpisodeSummary> finished);
+
+// Throws Error (a bug of the environment) where a reward or an observation is not finite.
+void CheckFinite(const StepBatch& step);
+
+nlohmann::json StreamToJson(const RandomStream& stream);
+RandomStream StreamFromJson(const nlohmann::json& json);
+// Throws Error naming `source` where the metadata `key` is not there or not JSON.
+nlohmann::json ParsedMetadata(const Safetensors& content, const std::string& key,
+                              const std::string& source);
+
+// Parameters and buffers of `module` as tensors of their names behind `prefix`.
+void SaveWeights(const torch::nn::Module& module, const std::string& prefix, Safetensors& content);
+// Throws Error naming `source` and the weights that are missing, not finite or of another shape.
+void LoadWeights(const Safetensors& content, const std::string& prefix, const std::string& source,
+                 torch::nn::Module& module);
+
+}  // namespace sandwright
