@@ -38,15 +38,15 @@ class ReferenceTraining final : public Training {
   Trainer& trainer() override { return *trainer_; }
 
   std::optional<Verdict> Evaluate() override {
-    std::vector<double> returns;
-    if (!Play(returns)) return {};
+    const auto returns = Play();
+    if (!returns) return {};
     double sum = 0, squares = 0;
-    for (const double value : returns) sum += value;
-    const double mean = sum / static_cast<double>(returns.size());
-    for (const double value : returns) squares += (value - mean) * (value - mean);
+    for (const double value : *returns) sum += value;
+    const double mean = sum / static_cast<double>(returns->size());
+    for (const double value : *returns) squares += (value - mean) * (value - mean);
     return Verdict{-mean,
                    {{"eval/mean_reward", mean},
-                    {"eval/std_reward", std::sqrt(squares / static_cast<double>(returns.size()))}},
+                    {"eval/std_reward", std::sqrt(squares / static_cast<double>(returns->size()))}},
                    fmt::format("mean return {:.1f}", mean)};
   }
 
@@ -85,15 +85,15 @@ class ReferenceTraining final : public Training {
   }
 
  private:
-  // Returns of one episode of each row, all from seeds of their own; false after Ctrl-C.
-  bool Play(std::vector<double>& returns) {
+  // Returns of one episode of each row, all from seeds of their own; none after Ctrl-C.
+  std::optional<std::vector<double>> Play() {
     ReferenceVecEnv env(config_.reference, static_cast<int>(config_.evaluation_tasks),
                         run_.threads);
     ObservationBatch observation =
         env.Reset(RandomStream(run_.seed, StreamId("reference evaluation")).Next64());
     std::vector<std::optional<double>> first(static_cast<size_t>(env.num_envs()));
     for (size_t left = first.size(); left > 0;) {
-      if (StopRequested()) return false;
+      if (StopRequested()) return {};
       const auto action = trainer_->Mean(observation);
       StepBatch step =
           env.Step({action.data_ptr<float>(), static_cast<size_t>(action.numel())});
@@ -105,8 +105,9 @@ class ReferenceTraining final : public Training {
       }
       observation = std::move(step.observation);
     }
+    std::vector<double> returns;
     for (const auto& value : first) returns.push_back(*value);
-    return true;
+    return returns;
   }
 
   TrainConfig config_;

@@ -4,10 +4,10 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <chrono>
 #include <ctime>
 
 #include "data/base/stop.h"
+#include "env/bench_clock.h"
 #include "env/load_gate.h"
 #include "env/random_steps.h"
 #include "env/shaping_env.h"
@@ -15,17 +15,8 @@
 namespace sandwright {
 namespace {
 
-constexpr int kRuns = 5, kBatch = 32;
+constexpr int kBatch = 32;
 constexpr int kBatches[] = {1, 8, 128};  // of the small scene beside kBatch
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double Median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
 
 // The same model, and how long its batches took.
 class TimedSand final : public SandModel {
@@ -145,7 +136,7 @@ nlohmann::json MeasureScene(const EnvBench& bench, const Scene& scene, const std
   RandomStream stream(1, StreamId("benchmark actions"));
   std::vector<double> rates, cpu_rates;
   double steps = 0, spent_s = 0, strokes = 0, rejected = 0;
-  for (int run = 0; run < kRuns; ++run) {
+  for (int run = 0; run < kBenchRuns; ++run) {
     const double start_s = Now_s();
     const std::clock_t cpu_start = std::clock();
     double elapsed_s = 0, count = 0;

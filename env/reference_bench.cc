@@ -1,26 +1,15 @@
 #include "env/reference_bench.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "data/base/random.h"
 #include "data/base/stop.h"
+#include "env/bench_clock.h"
 #include "env/reference/mujoco_body.h"
 #include "env/reference/reference_vec_env.h"
 
 namespace sandwright {
 namespace {
-
-constexpr int kRuns = 5;
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double Median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
 
 // What is left of the environment when the batch is taken away.
 class Core {
@@ -89,7 +78,7 @@ nlohmann::json MeasureTask(const std::string& name, int batch, double seconds) {
   RandomStream stream(1, StreamId("benchmark actions"));
   std::vector<float> actions(rows * size), scaled(rows * size);
   std::vector<double> env_us, core_us, shares;
-  for (int run = 0; run < kRuns; ++run) {
+  for (int run = 0; run < kBenchRuns; ++run) {
     const ObservationBatch start = env.Reset(1);
     for (size_t i = 0; i < rows; ++i) core->Start(i, std::span(start.vec).subspan(i * seen, seen));
     double env_s = 0, core_s = 0, steps = 0;

@@ -4,6 +4,7 @@
 
 #include "env/load_gate.h"
 #include "env/mixed_sand.h"
+#include "tests/support/needle_sand.h"
 
 namespace sandwright {
 namespace {
@@ -34,33 +35,10 @@ TEST(RandomSteps, AreSoundWithEveryFaultOn) {
   EXPECT_EQ(RunRandomSteps(again, 1000, 1).ToJson(), tally.ToJson());
 }
 
-// Raises one cell of each bed to a height that is none.
-class BrokenSand final : public SandModel {
- public:
-  explicit BrokenSand(float height_m) : height_m_(height_m) {}
-  std::string name() const override { return "broken"; }
-  const Blade& blade() const override { return blade_; }
-
- protected:
-  std::vector<Outcome> ApplyChecked(std::span<SandState> states,
-                                    std::span<const ToolPath>) const override {
-    for (SandState& state : states) {
-      HeightMap map = state.map();
-      map.height_m[500] = height_m_;
-      state.Replace(std::move(map));
-    }
-    return std::vector<Outcome>(states.size());
-  }
-
- private:
-  Blade blade_;
-  float height_m_;
-};
-
 TEST(RandomSteps, SeeWhatIsBroken) {
   ShapingConfig config = NoisyConfig();
   config.episode = {};
-  const BrokenSand high(100);
+  const NeedleSand high(100);
   ShapingEnv env(config, {.sand = high}, TasksFrom(TaskConfig{}));
   EXPECT_GT(RunRandomSteps(env, 8, 1).out_of_bounds, 0);
 }
