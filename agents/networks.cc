@@ -44,6 +44,18 @@ nn::Conv2d Convolution(int64_t in, int64_t out, int64_t kernel, int64_t stride) 
   return nn::Conv2d(nn::Conv2dOptions(in, out, kernel).stride(stride).padding(kernel / 2));
 }
 
+// [B, A] on the CPU; rows are drawn with equally many consecutive ones a stream.
+torch::Tensor SampleBetas(const BetaParameters& p, std::span<RandomStream> streams) {
+  const auto alpha = p.alpha.to(torch::kCPU).contiguous(), beta = p.beta.to(torch::kCPU).contiguous();
+  const int64_t numbers = alpha.size(1), draws = alpha.size(0) / static_cast<int64_t>(streams.size());
+  auto drawn = torch::empty_like(alpha);
+  for (int64_t i = 0; i < alpha.numel(); ++i)
+    drawn.data_ptr<float>()[i] =
+        SampleBeta(alpha.data_ptr<float>()[i], beta.data_ptr<float>()[i],
+                   streams[static_cast<size_t>(i / numbers / draws)]);
+  return drawn;
+}
+
 torch::Tensor Enlarge(const torch::Tensor& features, const torch::Tensor& like) {
   return F::interpolate(features, F::InterpolateFuncOptions()
                                       .size(std::vector<int64_t>{like.size(2), like.size(3)})
@@ -78,7 +90,7 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
     : has_map_(spec.map_size() > 0), action_size_(action_size), choices_(choices) {
   SAND_CHECK(choices == 0 || (!has_map_ && action_size == 1), choices, action_size);
   const int64_t width = config.channels, hidden = config.hidden;
-  int64_t whole_inputs = spec.vec_size(), rest_inputs = hidden, rest_numbers = action_size;
+  int64_t whole_inputs = spec.vec_size(), rest_inputs = hidden;
   if (has_map_) {
     SAND_CHECK(action_size > PlaceGrid::kNumbers, action_size);
     const auto half = [](int64_t size) { return (size + 1) / 2; };
@@ -86,7 +98,6 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
     grid_ = {static_cast<int>(config.headings), static_cast<int>(rows), static_cast<int>(columns)};
     whole_inputs += 2 * width * half(half(rows)) * half(half(columns));
     rest_inputs += 2 * width + 2;
-    rest_numbers -= PlaceGrid::kNumbers;
     const auto x = torch::linspace(-1, 1, spec.columns).expand({spec.rows, spec.columns});
     const auto y = torch::linspace(-1, 1, spec.rows).unsqueeze(1).expand({spec.rows, spec.columns});
     coordinates_ = torch::stack({x, y}).unsqueeze(0).clone();
@@ -109,7 +120,7 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
   whole_out_ = register_module("whole_out", nn::Linear(hidden, hidden));
   if (has_map_) rest_hidden_ = register_module("rest_hidden", nn::Linear(rest_inputs, hidden));
   rest_head_ =
-      register_module("rest_head", nn::Linear(hidden, choices > 0 ? choices : 2 * rest_numbers));
+      register_module("rest_head", nn::Linear(hidden, choices > 0 ? choices : 2 * action_size));
   if (!has_map_) value_in_ = register_module("value_in", nn::Linear(whole_inputs, hidden));
   value_hidden_ = register_module("value_hidden", nn::Linear(hidden, hidden));
   value_head_ = register_module("value_head", nn::Linear(hidden, 1));
@@ -142,7 +153,7 @@ void ActorCritic::PreferSurplus(const ObservationSpec& spec, const NetworkConfig
 void ActorCritic::GuessFirst(const std::vector<double>& means) {
   if (means.empty()) return;
   const torch::NoGradGuard no_grad;
-  const int64_t numbers = rest_head_->bias.size(0) / 2;
+  const int64_t placed = has_map_ ? PlaceGrid::kNumbers : 0, numbers = action_size_ - placed;
   if (static_cast<int64_t>(means.size()) != numbers)
     throw Error("network.first_guess has " + std::to_string(means.size()) +
                 " numbers; allowed: none or " + std::to_string(numbers));
@@ -153,7 +164,7 @@ void ActorCritic::GuessFirst(const std::vector<double>& means) {
     // The lesser concentration stays broad, the greater one is set
     // for the mean: inverse of softplus + 1.
     const double output = std::log(std::expm1(broad * ratio - 1.0));
-    rest_head_->bias[share > 0.5 ? i : numbers + i] = output;
+    rest_head_->bias[placed + (share > 0.5 ? i : action_size_ + i)] = output;
   }
 }
 
@@ -166,8 +177,10 @@ ActorCritic::Encoding ActorCritic::Encode(const ObservationTensors& observation)
     return encoding;
   }
   coordinates_ = coordinates_.to(observation.map.device());
-  const auto input = torch::cat(
-      {observation.map, coordinates_.expand({observation.map.size(0), -1, -1, -1})}, 1);
+  // Channels last: convolutions of few channels take half the time, forward and backward.
+  const auto input =
+      torch::cat({observation.map, coordinates_.expand({observation.map.size(0), -1, -1, -1})}, 1)
+          .contiguous(torch::MemoryFormat::ChannelsLast);
   const auto fine = torch::relu(fine_(input));
   const auto middle = torch::relu(middle_(fine));
   const auto coarse = torch::relu(coarse_(middle));
@@ -189,13 +202,13 @@ torch::Tensor ActorCritic::PlaceLogits(const Encoding& encoding, const torch::Te
   return (logits + place_skip_(pooled)).flatten(1);
 }
 
-BetaParameters ActorCritic::RestOf(const Encoding& encoding, const torch::Tensor& place) {
-  if (!has_map_) return BetaFromOutputs(rest_head_(encoding.whole));
-  const auto cell = grid_.Bin(place).remainder(grid_.cells());
-  const auto all = encoding.places.flatten(2);  // [B, F, cells]
-  const auto here = all.gather(2, cell.view({-1, 1, 1}).expand({-1, all.size(1), 1})).squeeze(2);
-  const auto heading_rad = place.narrow(1, 2, 1) * std::numbers::pi;
-  const auto input = torch::cat({here, encoding.whole, heading_rad.cos(), heading_rad.sin()}, 1);
+BetaParameters ActorCritic::NumbersAt(const Encoding& encoding, const torch::Tensor& row,
+                                      const torch::Tensor& bin) {
+  const auto here =
+      encoding.places.flatten(2).transpose(1, 2).index({row, bin.remainder(grid_.cells())});
+  const auto heading_rad = grid_.Centre(bin).narrow(1, 2, 1) * std::numbers::pi;
+  const auto input = torch::cat(
+      {here, encoding.whole.index_select(0, row), heading_rad.cos(), heading_rad.sin()}, 1);
   return BetaFromOutputs(rest_head_(torch::relu(rest_hidden_(input))));
 }
 
@@ -226,43 +239,51 @@ ActorCritic::Decision ActorCritic::SampleChoice(const Encoding& encoding,
           ValueOf(encoding).to(torch::kCPU)};
 }
 
+ActorCritic::Decision ActorCritic::SamplePlaces(const Encoding& encoding, const torch::Tensor& map,
+                                                std::span<RandomStream> streams, int draws) {
+  const auto device = encoding.whole.device();
+  const auto logits = PlaceLogits(encoding, map);
+  const auto probability = torch::softmax(logits, -1).to(torch::kCPU).contiguous();
+  const auto bins = static_cast<size_t>(grid_.bins());
+  std::vector<int64_t> row, bin;
+  for (size_t i = 0; i < streams.size(); ++i) {
+    for (int k = 0; k < draws; ++k) {
+      row.push_back(static_cast<int64_t>(i));
+      bin.push_back(
+          SampleCategorical({probability.data_ptr<float>() + i * bins, bins}, streams[i]));
+    }
+  }
+  const auto rows = torch::tensor(row).to(device), chosen = torch::tensor(bin).to(device);
+  const BetaParameters numbers = NumbersAt(encoding, rows, chosen);
+  const auto drawn = SampleBetas(numbers, streams).to(device);
+  const auto place = grid_.Place(chosen, drawn.narrow(1, 0, PlaceGrid::kNumbers));
+  const auto rest = drawn.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers);
+  const auto action = torch::cat({place, rest}, 1);
+  const auto log_prob = CategoricalLogProb(logits.index_select(0, rows), chosen) +
+                        BetaLogProb(numbers, Offsets(action, chosen)) + grid_.LogDensityOfOffset();
+  return {action.to(torch::kCPU), log_prob.to(torch::kCPU),
+          ValueOf(encoding).index_select(0, rows).to(torch::kCPU)};
+}
+
+torch::Tensor ActorCritic::Offsets(const torch::Tensor& action, const torch::Tensor& bin) const {
+  return torch::cat({grid_.Offset(action.narrow(1, 0, PlaceGrid::kNumbers), bin),
+                     action.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers)},
+                    1);
+}
+
 ActorCritic::Decision ActorCritic::Sample(const ObservationTensors& observation,
-                                          std::span<RandomStream> streams) {
+                                          std::span<RandomStream> streams, int draws) {
   const torch::NoGradGuard no_grad;
   const Encoding encoding = Encode(observation);
-  const auto batch = static_cast<int64_t>(streams.size());
-  const auto device = observation.vec.device();
-  SAND_CHECK(encoding.whole.size(0) == batch, encoding.whole.size(0), batch);
+  SAND_CHECK(encoding.whole.size(0) == static_cast<int64_t>(streams.size()),
+             encoding.whole.size(0), streams.size());
+  if (has_map_) return SamplePlaces(encoding, observation.map, streams, draws);
+  SAND_CHECK(draws == 1, draws);
   if (choices_ > 0) return SampleChoice(encoding, streams);
-  const int placed = has_map_ ? PlaceGrid::kNumbers : 0;
-  auto action = torch::empty({batch, action_size_});
-  float* const values = action.data_ptr<float>();
-  auto log_prob = torch::zeros({batch});
-  torch::Tensor place;
-  if (has_map_) {
-    const auto logits = PlaceLogits(encoding, observation.map);
-    const auto probability = torch::softmax(logits, -1).to(torch::kCPU).contiguous();
-    const auto bins = static_cast<size_t>(grid_.bins());
-    for (size_t i = 0; i < streams.size(); ++i) {
-      const auto drawn = grid_.Sample({probability.data_ptr<float>() + i * bins, bins}, streams[i]);
-      std::ranges::copy(drawn, values + i * static_cast<size_t>(action_size_));
-    }
-    place = action.narrow(1, 0, placed).to(device);
-    log_prob += grid_.LogProb(logits, grid_.Bin(place)).to(torch::kCPU);
-  }
-  const BetaParameters rest = RestOf(encoding, place);
-  const auto alpha = rest.alpha.to(torch::kCPU).contiguous(),
-             beta = rest.beta.to(torch::kCPU).contiguous();
-  const int64_t numbers = alpha.size(1);
-  for (int64_t i = 0; i < batch; ++i) {
-    for (int64_t j = 0; j < numbers; ++j) {
-      values[i * action_size_ + placed + j] =
-          SampleBeta(alpha.data_ptr<float>()[i * numbers + j],
-                     beta.data_ptr<float>()[i * numbers + j], streams[static_cast<size_t>(i)]);
-    }
-  }
-  log_prob += BetaLogProb({alpha, beta}, action.narrow(1, placed, numbers));
-  return {action, log_prob, ValueOf(encoding).to(torch::kCPU)};
+  const BetaParameters numbers = BetaFromOutputs(rest_head_(encoding.whole));
+  const auto action = SampleBetas(numbers, streams);
+  return {action, BetaLogProb({numbers.alpha.to(torch::kCPU), numbers.beta.to(torch::kCPU)}, action),
+          ValueOf(encoding).to(torch::kCPU)};
 }
 
 torch::Tensor ActorCritic::Mean(const ObservationTensors& observation) {
@@ -270,9 +291,13 @@ torch::Tensor ActorCritic::Mean(const ObservationTensors& observation) {
   const Encoding encoding = Encode(observation);
   if (choices_ > 0)
     return rest_head_(encoding.whole).argmax(-1, true).to(torch::kCPU, torch::kFloat32);
-  if (!has_map_) return BetaMean(RestOf(encoding, {})).to(torch::kCPU);
-  const auto place = grid_.Centre(PlaceLogits(encoding, observation.map).argmax(-1));
-  return torch::cat({place, BetaMean(RestOf(encoding, place))}, 1).to(torch::kCPU);
+  if (!has_map_) return BetaMean(BetaFromOutputs(rest_head_(encoding.whole))).to(torch::kCPU);
+  const auto bin = PlaceLogits(encoding, observation.map).argmax(-1);
+  const auto mean = BetaMean(NumbersAt(encoding, torch::arange(bin.size(0), bin.device()), bin));
+  return torch::cat({grid_.Place(bin, mean.narrow(1, 0, PlaceGrid::kNumbers)),
+                     mean.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers)},
+                    1)
+      .to(torch::kCPU);
 }
 
 ActorCritic::Terms ActorCritic::Evaluate(const ObservationTensors& observation,
@@ -284,16 +309,16 @@ ActorCritic::Terms ActorCritic::Evaluate(const ObservationTensors& observation,
             CategoricalEntropy(logits), ValueOf(encoding)};
   }
   if (!has_map_) {
-    const BetaParameters all = RestOf(encoding, {});
+    const BetaParameters all = BetaFromOutputs(rest_head_(encoding.whole));
     return {BetaLogProb(all, action), BetaEntropy(all), ValueOf(encoding)};
   }
-  const auto place = action.narrow(1, 0, PlaceGrid::kNumbers);
+  const auto bin = grid_.Bin(action.narrow(1, 0, PlaceGrid::kNumbers));
   const auto logits = PlaceLogits(encoding, observation.map);
-  const BetaParameters rest = RestOf(encoding, place);
-  const auto rest_action =
-      action.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers);
-  return {grid_.LogProb(logits, grid_.Bin(place)) + BetaLogProb(rest, rest_action),
-          grid_.Entropy(logits) + BetaEntropy(rest), ValueOf(encoding)};
+  const BetaParameters numbers = NumbersAt(encoding, torch::arange(bin.size(0), bin.device()), bin);
+  return {CategoricalLogProb(logits, bin) + BetaLogProb(numbers, Offsets(action, bin)) +
+              grid_.LogDensityOfOffset(),
+          CategoricalEntropy(logits) + BetaEntropy(numbers) - grid_.LogDensityOfOffset(),
+          ValueOf(encoding)};
 }
 
 }  // namespace sandwright

@@ -1,9 +1,9 @@
 // The actor-critic network: an observation to a distribution of actions and a value.
 //
-// With a map (the sand): a small convolutional pyramid gives features for each place of the map. A
-// stroke's start and heading are drawn from a grid over them (stroke_place.h), the rest of the
-// stroke (length, depths, bend) from Beta distributions whose parameters are read at the chosen
-// place. Without a map (reference tasks): two perceptrons of two hidden tanh layers, as in the PPO
+// With a map (the sand): a small convolutional pyramid gives features for each place of the map. The
+// bin of a stroke's start and heading is drawn from a grid over them (stroke_place.h), where in the
+// bin they lie and the rest of the stroke (length, depths, bend) from Beta distributions whose
+// parameters are read at the chosen bin. Without a map (reference tasks): two perceptrons of two hidden tanh layers, as in the PPO
 // paper; a Beta distribution a number of the action, or one probability a choice.
 #pragma once
 
@@ -45,8 +45,9 @@ class ActorCritic : public torch::nn::Module {
   ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
               RandomStream& stream, int choices = 0);
 
-  // One action a row, drawn with streams[row].
-  Decision Sample(const ObservationTensors& observation, std::span<RandomStream> streams);
+  // `draws` actions a row (1 without a map), one after the other, drawn with streams[row].
+  Decision Sample(const ObservationTensors& observation, std::span<RandomStream> streams,
+                  int draws = 1);
   // The most probable place and the mean of the rest, or the most probable choice: [B, A] on the
   // CPU.
   torch::Tensor Mean(const ObservationTensors& observation);
@@ -72,8 +73,14 @@ class ActorCritic : public torch::nn::Module {
   Encoding Encode(const ObservationTensors& observation);
   torch::Tensor PlaceLogits(const Encoding& encoding, const torch::Tensor& map);
   Decision SampleChoice(const Encoding& encoding, std::span<RandomStream> streams);
-  // Beta outputs given the place [B, 3] (undefined without a map).
-  BetaParameters RestOf(const Encoding& encoding, const torch::Tensor& place);
+  Decision SamplePlaces(const Encoding& encoding, const torch::Tensor& map,
+                        std::span<RandomStream> streams, int draws);
+  // Of all numbers of the action, the first three within their bin, read at `bin` [M] of the
+  // encoding's rows `row` [M].
+  BetaParameters NumbersAt(const Encoding& encoding, const torch::Tensor& row,
+                           const torch::Tensor& bin);
+  // `action` [B, A] with its first three numbers within `bin` [B].
+  torch::Tensor Offsets(const torch::Tensor& action, const torch::Tensor& bin) const;
   torch::Tensor ValueOf(const Encoding& encoding);
 
   bool has_map_;

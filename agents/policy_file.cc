@@ -11,7 +11,7 @@ namespace sandwright {
 namespace {
 
 constexpr const char* kSchema = "sandwright-policy";
-constexpr const char* kVersion = "1";
+constexpr const char* kVersion = "2";
 constexpr const char* kPrefix = "network.";  // of the weights; a checkpoint holds other tensors too
 
 nlohmann::json SpecToJson(const ObservationSpec& spec) {
@@ -86,6 +86,11 @@ Policy UnpackPolicy(const Safetensors& content, const std::string& source, torch
   LoadWeights(content, kPrefix, source, *policy.network);
   policy.network->to(device);
   return policy;
+}
+
+void LoadPolicyWeights(const Safetensors& content, const std::string& source,
+                       ActorCritic& network) {
+  LoadWeights(content, kPrefix, source, network);
 }
 
 }  // namespace sandwright

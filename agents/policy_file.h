@@ -33,4 +33,7 @@ Safetensors PackPolicy(const ActorCritic& network, const PolicyCard& card);
 // or action entries than this program's, weights of another network.
 Policy UnpackPolicy(const Safetensors& content, const std::string& source, torch::Device device);
 
+// Only the weights, into a network made alike. Throws Error naming `source` and what differs.
+void LoadPolicyWeights(const Safetensors& content, const std::string& source, ActorCritic& network);
+
 }  // namespace sandwright

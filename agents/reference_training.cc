@@ -120,6 +120,9 @@ class ReferenceTraining final : public Training {
 }  // namespace
 
 std::unique_ptr<Training> MakeReferenceTraining(const TrainConfig& config, const TrainRun& run) {
+  if (config.algorithm == "expert_iteration")
+    throw Error("algorithm = expert_iteration asks the sand model; reference tasks have none: allowed: "
+                "ppo, sac, tqc");
   return std::make_unique<ReferenceTraining>(config, run);
 }
 

@@ -1,6 +1,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "agents/evaluate.h"
+#include "agents/expert_iteration.h"
 #include "agents/policy_agent.h"
 #include "agents/ppo.h"
 #include "agents/training.h"
@@ -41,8 +42,16 @@ class SandTraining final : public Training {
         env_(config.env, world_, TrainingTasks(config)),
         initial_(run.seed, StreamId("initial weights")),
         network_(env_.observation_spec(), env_.action_size(), config.network, initial_),
-        validation_(ValidationTasks(config, run.seed)),
-        ppo_(env_, network_, config.ppo, config.total_steps, run.seed, device_) {
+        validation_(ValidationTasks(config, run.seed)) {
+    if (!config.initial_policy.empty())
+      LoadPolicyWeights(ReadSafetensors(config.initial_policy), config.initial_policy, network_);
+    if (config.algorithm == "ppo")
+      trainer_ = std::make_unique<Ppo>(env_, network_, config.ppo, config.total_steps, run.seed,
+                                       device_);
+    else
+      trainer_ = std::make_unique<ExpertIteration>(env_, world_, config_.env.episode, network_,
+                                                   config.expert, config.total_steps, run.seed,
+                                                   device_);
     card_.network = config.network;
     card_.observation = config.env.observation;
     const EpisodeConfig& episode = config.env.episode;
@@ -54,7 +63,7 @@ class SandTraining final : public Training {
     card_.config = ToJson(FieldsOf(config_));
   }
 
-  Trainer& trainer() override { return ppo_; }
+  Trainer& trainer() override { return *trainer_; }
 
   std::optional<Verdict> Evaluate() override {
     PolicyAgent agent("policy", card_, network_, device_);
@@ -78,7 +87,7 @@ class SandTraining final : public Training {
   }
 
   Safetensors Pack() override {
-    card_.steps = ppo_.steps();
+    card_.steps = trainer_->steps();
     return PackPolicy(network_, card_);
   }
 
@@ -104,18 +113,17 @@ class SandTraining final : public Training {
   RandomStream initial_;
   ActorCritic network_;
   std::vector<Task> validation_;
-  Ppo ppo_;
+  std::unique_ptr<Trainer> trainer_;
   PolicyCard card_;
 };
 
 }  // namespace
 
 std::unique_ptr<Training> MakeSandTraining(const TrainConfig& config, const TrainRun& run) {
-  if (config.algorithm != "ppo")
-    throw Error(fmt::format(
-        "algorithm = {}: the sand is seen as a map, which ppo alone learns from; allowed: ppo, or "
-        "a reference task",
-        config.algorithm));
+  if (config.algorithm != "ppo" && config.algorithm != "expert_iteration")
+    throw Error(fmt::format("algorithm = {} learns from numbers, the sand is seen as a map; allowed: "
+                            "ppo, expert_iteration, or a reference task",
+                            config.algorithm));
   return std::make_unique<SandTraining>(config, run);
 }
 

@@ -1,13 +1,11 @@
 #include "agents/stroke_place.h"
 
-#include <algorithm>
 #include <cmath>
-
-#include "agents/categorical.h"
-#include "data/base/error.h"
 
 namespace sandwright {
 namespace {
+
+constexpr double kLargestOffset = 0.999;
 
 // Which of `count` equal parts of [-1, 1] each value lies in.
 torch::Tensor PartOf(const torch::Tensor& value, int count) {
@@ -19,8 +17,6 @@ torch::Tensor MiddleOf(const torch::Tensor& part, int count) {
 }
 
 }  // namespace
-
-double PlaceGrid::LogVolume() const { return std::log(8.0 / bins()); }
 
 torch::Tensor PlaceGrid::Bin(const torch::Tensor& place) const {
   const auto column = PartOf(place.select(-1, 0), columns);
@@ -37,25 +33,20 @@ torch::Tensor PlaceGrid::Centre(const torch::Tensor& bin) const {
                       -1);
 }
 
-torch::Tensor PlaceGrid::LogProb(const torch::Tensor& logits, const torch::Tensor& bin) const {
-  return CategoricalLogProb(logits, bin) - LogVolume();
+torch::Tensor PlaceGrid::HalfExtent() const {
+  return torch::tensor({1.0f / columns, 1.0f / rows, 1.0f / headings});
 }
 
-torch::Tensor PlaceGrid::Entropy(const torch::Tensor& logits) const {
-  return LogVolume() + CategoricalEntropy(logits);
+torch::Tensor PlaceGrid::Offset(const torch::Tensor& place, const torch::Tensor& bin) const {
+  const auto offset = (place - Centre(bin)) / HalfExtent().to(place.device());
+  return offset.clamp(-kLargestOffset, kLargestOffset);
 }
 
-std::array<float, PlaceGrid::kNumbers> PlaceGrid::Sample(std::span<const float> probability,
-                                                         RandomStream& stream) const {
-  SAND_CHECK(static_cast<int>(probability.size()) == bins(), probability.size(), bins());
-  const int bin = SampleCategorical(probability, stream);
-  // A little off the edges, so that rounding to float cannot leave the bin.
-  auto within = [&](int part, int count) {
-    return static_cast<float>((part + stream.Uniform(0.001, 0.999)) * 2.0 / count - 1.0);
-  };
-  const float x = within(bin % columns, columns);
-  const float y = within(bin / columns % rows, rows);
-  return {x, y, within(bin / cells(), headings)};
+torch::Tensor PlaceGrid::Place(const torch::Tensor& bin, const torch::Tensor& offset) const {
+  return Centre(bin) +
+         offset.clamp(-kLargestOffset, kLargestOffset) * HalfExtent().to(offset.device());
 }
+
+double PlaceGrid::LogDensityOfOffset() const { return std::log(static_cast<double>(bins())); }
 
 }  // namespace sandwright

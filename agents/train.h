@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "agents/expert_config.h"
 #include "agents/network_config.h"
 #include "agents/ppo_config.h"
 #include "agents/sac_config.h"
@@ -24,6 +25,7 @@ struct TrainConfig {
   std::string model = "heightfield";
   std::string workcell;
   std::string tasks_file;
+  std::string initial_policy;
   int64_t evaluate_every = 10240;
   int64_t evaluation_tasks = 20;
   int64_t checkpoint_every = 10240;
@@ -31,6 +33,7 @@ struct TrainConfig {
   TaskConfig task;
   ShapingConfig env;
   NetworkConfig network;
+  ExpertConfig expert;
   PpoConfig ppo;
   SacConfig sac;
   TqcConfig tqc;
@@ -41,7 +44,7 @@ struct TrainConfig {
     std::vector<std::string> tasks = ReferenceTaskNames();
     tasks.insert(tasks.begin(), "none");
     f.Add("algorithm", algorithm, "that learns; tqc reads the keys of sac as well",
-          {"ppo", "sac", "tqc"});
+          {"ppo", "expert_iteration", "sac", "tqc"});
     f.Add("reference", reference, "task that trainers are compared on, in the place of the sand",
           tasks);
     f.Add("total_steps", total_steps, "strokes (steps of a reference task) to train on", 1, 1e12);
@@ -56,6 +59,8 @@ struct TrainConfig {
           "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
     f.Add("tasks.file", tasks_file,
           "task file to draw training tasks from; empty: generate by `task`");
+    f.Add("initial_policy", initial_policy,
+          "policy file of the same network whose weights the training starts from; empty: random");
     f.Add("evaluate_every", evaluate_every, "strokes between evaluations; 0: at the end only", 0, 1e12);
     f.Add("evaluation_tasks", evaluation_tasks,
           "generated tasks (episodes of a reference task) of an evaluation, unseen in training", 1,
@@ -66,6 +71,7 @@ struct TrainConfig {
     f.Section("task", task);
     f.Section("env", env);
     f.Section("network", network);
+    f.Section("expert", expert);
     f.Section("ppo", ppo);
     f.Section("sac", sac);
     f.Section("tqc", tqc);

@@ -31,6 +31,7 @@ constexpr Entry kCommands[] = {
     {"train", "trains an agent headless", MakeTrainCommand},
     {"eval", "an agent on tasks", MakeEvalCommand},
     {"tasks", "makes task files", MakeTasksCommand},
+    {"plot", "learning curves of training runs", MakePlotCommand},
     {"plan", "terrain + goal -> gated strokes", MakePlanCommand},
     {"check", "the safety gate alone, on a plan", MakeCheckCommand},
     {"export", "plan -> URScript, through the gate", MakeExportCommand},

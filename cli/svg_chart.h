@@ -12,6 +12,7 @@ struct ChartSeries {
   std::vector<double> x = {}, y = {};  // a NaN in x: the line ends here and begins anew
   std::string colour = {};             // any CSS colour
   bool markers = true;
+  std::vector<double> low = {}, high = {};  // a band around the line; empty: none
 };
 
 struct Chart {

@@ -121,8 +121,10 @@ Task GenerateGoal(const TaskConfig& config, const HeightMap& terrain, RandomStre
   const int budget = static_cast<int>(config.max_strokes);
   if (kind == kLetters) return {terrain, DrawLettersGoal(config, terrain, place, stream), budget};
   const GoalShape shape = DrawShape(kind, place, SandDepth(terrain), stream);
+  const bool near = config.margin_m > 0 &&
+                    (config.margin_share == 1 || stream.Uniform() < config.margin_share);
   const double margin_m =
-      config.margin_m == 0 ? std::max(terrain.width_m(), terrain.depth_m()) * 2 : config.margin_m;
+      near ? config.margin_m : std::max(terrain.width_m(), terrain.depth_m()) * 2;
   return {terrain, MakeGoal(shape, terrain, place, margin_m), budget};
 }
 

@@ -22,7 +22,7 @@ struct TaskConfig {
   double goal_width_m = 0, goal_depth_m = 0;
   double area_low = 1, area_high = 1;
   std::vector<std::string> goals = {"level", "mound", "crater", "trench", "ridge", "terrace"};
-  double margin_m = 0;
+  double margin_m = 0, margin_share = 1;
   double narrowest_m = 0.03;
   double difficulty_low_m = 0.004, difficulty_high_m = 0.010;
   int64_t max_strokes = 10;
@@ -40,6 +40,8 @@ struct TaskConfig {
     f.Add("goals", goals, "kinds to draw from: level, mound, crater, trench, ridge, terrace, letters");
     f.Add("margin_m", margin_m,
           "how far around its shape a goal counts [m]; 0, and letters: all of its place", 0, 1);
+    f.Add("margin_share", margin_share, "share of the shapes that margin_m is for; of the others all counts",
+          0, 1);
     f.Add("narrowest_m", narrowest_m, "letters and drawings: nothing is narrower [m]", 0.005, 1);
     f.Add("difficulty_low_m", difficulty_low_m, "least goal error at the start [m]", 0.0001, 0.05);
     f.Add("difficulty_high_m", difficulty_high_m, "largest goal error at the start [m]", 0.0001,

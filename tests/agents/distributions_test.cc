@@ -103,33 +103,23 @@ TEST(PlaceGrid, CentresLieInTheirBins) {
   EXPECT_EQ(grid.Bin(-torch::ones({1, 3})).item<int64_t>(), 0);
 }
 
-TEST(PlaceGrid, DensityIntegratesToOne) {
+TEST(PlaceGrid, OffsetsAndPlacesAreInverse) {
   const PlaceGrid grid{4, 3, 5};
-  const auto logits = torch::linspace(-2, 3, grid.bins()).unsqueeze(0).expand({grid.bins(), -1});
-  const auto log_density = grid.LogProb(logits, torch::arange(grid.bins(), torch::kInt64));
-  const double volume = 8.0 / grid.bins();
-  EXPECT_NEAR(log_density.exp().sum().item<double>() * volume, 1.0, 1e-5);
-  EXPECT_NEAR(-(log_density.exp() * log_density).sum().item<double>() * volume,
-              grid.Entropy(logits)[0].item<double>(), 1e-5);
-  // Equal logits: the uniform density on a cube of side 2.
-  EXPECT_NEAR(
-      grid.LogProb(torch::zeros({1, grid.bins()}), torch::zeros({1}, torch::kInt64)).item<double>(),
-      -std::log(8.0), 1e-6);
-}
-
-TEST(PlaceGrid, SamplesFollowTheProbabilities) {
-  const PlaceGrid grid{2, 2, 3};
-  std::vector<float> probability(12, 0.0f);
-  probability[1] = 0.25f, probability[11] = 0.75f;
-  RandomStream stream(5);
-  std::vector<int> counts(12, 0);
-  for (int i = 0; i < 4000; ++i) {
-    const auto drawn = grid.Sample(probability, stream);
-    const auto bin = grid.Bin(torch::tensor({{drawn[0], drawn[1], drawn[2]}}));
-    ++counts[static_cast<size_t>(bin.item<int64_t>())];
+  const auto bins = torch::arange(grid.bins(), torch::kInt64);
+  for (const double within : {-0.99, -0.3, 0.0, 0.7}) {
+    const auto offset = torch::tensor({within, -within, 0.5 * within}).expand({grid.bins(), 3});
+    const auto place = grid.Place(bins, offset);
+    EXPECT_TRUE(torch::equal(grid.Bin(place), bins));
+    EXPECT_TRUE(torch::allclose(grid.Offset(place, bins), offset.to(torch::kFloat32), 0, 1e-5));
   }
-  EXPECT_EQ(counts[1] + counts[11], 4000);
-  EXPECT_NEAR(counts[1], 1000, 4 * std::sqrt(4000 * 0.25 * 0.75));
+  // An offset at the edge does not leave the bin.
+  for (const double edge : {-1.0, 1.0})
+    EXPECT_TRUE(torch::equal(grid.Bin(grid.Place(bins, torch::full({grid.bins(), 3}, edge))), bins));
+  // Of bin (0, 0, 0), whose sides are 2/5, 2/3 and 1/2.
+  const auto place = grid.Place(torch::zeros({1}, torch::kInt64), torch::tensor({{0.5, 0.0, -0.5}}));
+  EXPECT_NEAR(place[0][0].item<double>(), -0.7, 1e-6);
+  EXPECT_NEAR(place[0][1].item<double>(), -2.0 / 3, 1e-6);
+  EXPECT_NEAR(place[0][2].item<double>(), -0.875, 1e-6);
 }
 
 }  // namespace

@@ -38,8 +38,10 @@ TrainConfig SmallConfig() {
   config.network.channels = 4;
   config.network.hidden = 8;
   config.network.headings = 4;
-  config.ppo.num_steps = 8;
-  config.ppo.minibatch_size = 32;
+  config.ppo.num_steps = config.expert.num_steps = 8;
+  config.ppo.minibatch_size = config.expert.minibatch_size = 32;
+  config.expert.evaluations = 8;
+  config.expert.buffer_size = 160;  // fewer than the run's states
   config.evaluate_every = 128;
   config.evaluation_tasks = 2;
   config.checkpoint_every = 128;
@@ -83,18 +85,36 @@ TEST(Train, LeavesTheWholeRunFolder) {
 }
 
 TEST(Train, ResumedEqualsUninterruptedBitForBit) {
-  const auto whole = Folder("uninterrupted"), parts = Folder("parts");
+  for (const std::string algorithm : {"ppo", "expert_iteration"}) {
+    const auto whole = Folder("uninterrupted"), parts = Folder("parts");
+    TrainConfig config = SmallConfig();
+    config.algorithm = algorithm;
+    // linear would look ahead to total_steps
+    config.ppo.learning_rate_schedule = config.expert.learning_rate_schedule = "constant";
+    Train(config, {whole, 3, 1, false});
+    TrainConfig half = config;
+    half.total_steps = 128;
+    Train(half, {parts, 3, 1, false});
+    EXPECT_NE(WeightsOf(parts / "agent.safetensors"), WeightsOf(whole / "agent.safetensors"));
+    Train(config, {parts, 999, 2, true});  // the seed comes from the run; threads change nothing
+    EXPECT_EQ(WeightsOf(parts / "agent.safetensors"), WeightsOf(whole / "agent.safetensors"));
+    EXPECT_EQ(WeightsOf(LastCheckpoint(parts)), WeightsOf(LastCheckpoint(whole))) << algorithm;
+    EXPECT_EQ(std::ranges::count(ReadFile(parts / "progress.csv"), '\n'), 1 + 4);
+  }
+}
+
+TEST(Train, StartsFromAPolicyThatIsThere) {
+  const auto first = Folder("first"), second = Folder("second");
   TrainConfig config = SmallConfig();
-  config.ppo.learning_rate_schedule = "constant";  // linear would look ahead to total_steps
-  Train(config, {whole, 3, 1, false});
-  TrainConfig half = config;
-  half.total_steps = 128;
-  Train(half, {parts, 3, 1, false});
-  EXPECT_NE(WeightsOf(parts / "agent.safetensors"), WeightsOf(whole / "agent.safetensors"));
-  Train(config, {parts, 999, 2, true});  // the seed comes from the run; threads change nothing
-  EXPECT_EQ(WeightsOf(parts / "agent.safetensors"), WeightsOf(whole / "agent.safetensors"));
-  EXPECT_EQ(WeightsOf(LastCheckpoint(parts)), WeightsOf(LastCheckpoint(whole)));
-  EXPECT_EQ(std::ranges::count(ReadFile(parts / "progress.csv"), '\n'), 1 + 4);
+  Train(config, {first, 3, 1, false});
+  config.initial_policy = (first / "agent.safetensors").string();
+  config.total_steps = 64;
+  config.ppo.learning_rate = 0;
+  Train(config, {second, 4, 1, false});
+  EXPECT_EQ(WeightsOf(second / "agent.safetensors"), WeightsOf(first / "agent.safetensors"));
+  config.network.hidden = 9;
+  EXPECT_THAT(MessageOf([&] { Train(config, {Folder("third"), 4, 1, false}); }),
+              HasSubstr("agent.safetensors"));
 }
 
 TrainConfig ReferenceConfig(const std::string& algorithm) {
@@ -145,7 +165,7 @@ TEST(Train, WhatDoesNotFitIsNamed) {
   TrainConfig sand = SmallConfig();
   sand.algorithm = "sac";
   EXPECT_THAT(MessageOf([&] { Train(sand, {Folder("sac_on_sand"), 3, 1, false}); }),
-              HasSubstr("algorithm = sac: the sand is seen as a map"));
+              HasSubstr("algorithm = sac learns from numbers"));
   EXPECT_FALSE(std::filesystem::exists(folder.parent_path() / "sac_on_sand"));
 }
 

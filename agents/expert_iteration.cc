@@ -1,0 +1,217 @@
+#include "agents/expert_iteration.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "agents/stroke_proposals.h"
+#include "agents/symmetry.h"
+#include "data/base/error.h"
+#include "robot_model/safety_gate.h"
+
+namespace sandwright {
+namespace {
+
+constexpr double kAdamEpsilon = 1e-8;
+
+using Clock = std::chrono::steady_clock;
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::vector<float> Values(const std::vector<Action>& actions) {
+  std::vector<float> values;
+  for (const Action& action : actions) values.insert(values.end(), action.begin(), action.end());
+  return values;
+}
+
+std::vector<Action> ActionsOf(const torch::Tensor& action) {
+  const auto rows = action.contiguous();
+  std::vector<Action> actions(static_cast<size_t>(rows.size(0)));
+  for (size_t i = 0; i < actions.size(); ++i)
+    std::copy_n(rows.data_ptr<float>() + i * kActionSize, kActionSize, actions[i].begin());
+  return actions;
+}
+
+}  // namespace
+
+ExpertIteration::ExpertIteration(ShapingEnv& env, const World& world, const EpisodeConfig& episode,
+                                 ActorCritic& network, const ExpertConfig& config,
+                                 int64_t total_steps, uint64_t seed, torch::Device device)
+    : env_(env),
+      world_(world),
+      episode_(episode),
+      network_(network),
+      config_(config),
+      total_steps_(total_steps),
+      seed_(seed),
+      device_(device),
+      optimizer_((network.to(device), network.parameters()), kAdamEpsilon),
+      shuffle_stream_(seed, StreamId("expert shuffle")),
+      buffer_(env.observation_spec(), config.keep, config.buffer_size) {
+  for (int i = 0; i < env.num_envs(); ++i)
+    streams_.emplace_back(seed, StreamId("expert"), static_cast<uint64_t>(i));
+  RestartEpisodes();
+}
+
+void ExpertIteration::RestartEpisodes() {
+  observation_ = env_.Reset(
+      RandomStream(seed_, StreamId("training episodes"), static_cast<uint64_t>(steps_)).Next64());
+}
+
+void ExpertIteration::Try(const EpisodeState& state, std::span<const Action> candidates,
+                          Advice& advice) {
+  const HeightMap& sensed = state.sensed.map();
+  std::vector<SandState> after(candidates.size(), state.sand);
+  std::vector<Stroke> strokes;
+  for (const Action& action : candidates)
+    strokes.push_back(
+        DecodeAction(action, sensed, state.region, world_.sand.blade(), episode_.speed_mps));
+  world_.sand.Apply(after, strokes);
+  std::vector<double> reward;
+  for (const SandState& end : after)
+    reward.push_back(
+        StrokeReward(episode_.reward, state.sand.map(), end.map(), state.task->goal).total());
+  std::vector<size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::ranges::stable_sort(order, std::greater{}, [&](size_t i) { return reward[i]; });
+  for (const size_t i : order) {  // best first, so that few meet the gate
+    const bool full = std::ssize(advice.reward) == config_.keep;
+    if (full && reward[i] <= advice.reward.back()) break;
+    if (world_.gate && !world_.gate->Check(strokes[i], sensed, GateSampling::kCoarse).accepted)
+      continue;
+    if (full) advice.reward.pop_back(), advice.action.pop_back();
+    const auto at = std::ranges::upper_bound(advice.reward, reward[i], std::greater{}) -
+                    advice.reward.begin();
+    advice.reward.insert(advice.reward.begin() + at, reward[i]);
+    advice.action.insert(advice.action.begin() + at, candidates[i]);
+  }
+}
+
+ExpertIteration::Advice ExpertIteration::Ask(const EpisodeState& state,
+                                             std::span<const Action> from_policy,
+                                             RandomStream& stream) {
+  const auto refined = static_cast<size_t>(config_.refine_share *
+                                           static_cast<double>(config_.evaluations));
+  std::vector<Action> candidates(from_policy.begin(), from_policy.end());
+  const SurplusProposals proposals(View(state));
+  while (candidates.size() + refined < static_cast<size_t>(config_.evaluations))
+    candidates.push_back(proposals.Draw(stream));
+  Advice advice;
+  Try(state, candidates, advice);
+  if (advice.action.empty()) return advice;
+  candidates.clear();
+  while (candidates.size() < refined) candidates.push_back(Near(advice.action.front(), stream));
+  Try(state, candidates, advice);
+  return advice;
+}
+
+std::map<std::string, double> ExpertIteration::Advance() {
+  const ObservationSpec& spec = env_.observation_spec();
+  const auto map_size = static_cast<size_t>(spec.map_size()),
+             vec_size = static_cast<size_t>(spec.vec_size());
+  const auto from_policy = std::max(
+      1, static_cast<int>(config_.policy_share * static_cast<double>(config_.evaluations)));
+  const auto start = Clock::now();
+  std::vector<EpisodeSummary> finished;
+  double best_reward = 0;
+  int64_t asked = 0;
+  for (int64_t t = 0; t < config_.num_steps; ++t) {
+    const ObservationTensors observation = ToTensors(observation_, spec, device_);
+    const auto drawn = ActionsOf(network_.Sample(observation, streams_, from_policy).action);
+    std::vector<Action> chosen = ActionsOf(network_.Mean(observation));
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      const auto own = std::span(drawn).subspan(i * static_cast<size_t>(from_policy),
+                                                static_cast<size_t>(from_policy));
+      const Advice advice = Ask(env_.episodes()[i], own, streams_[i]);
+      if (advice.action.empty()) continue;
+      std::vector<double> weights;
+      for (const double reward : advice.reward)
+        weights.push_back(std::exp((reward - advice.reward.front()) / config_.temperature));
+      buffer_.Add(std::span(observation_.map).subspan(i * map_size, map_size),
+                  std::span(observation_.vec).subspan(i * vec_size, vec_size), advice.action,
+                  weights);
+      best_reward += advice.reward.front();
+      ++asked;
+      if (streams_[i].Uniform() < config_.expert_share) chosen[i] = advice.action.front();
+    }
+    StepBatch step = env_.Step(Values(chosen));
+    CheckFinite(step);
+    std::ranges::move(step.finished, std::back_inserter(finished));
+    observation_ = std::move(step.observation);
+  }
+  const double rollout_s = SecondsSince(start);
+  double loss = 0;
+  for (int64_t k = 0; k < config_.gradient_steps; ++k) loss += Learn();
+  const auto made = config_.num_steps * env_.num_envs();
+  steps_ += made;
+  auto scalars = EpisodeScalars(finished);
+  scalars.merge(std::map<std::string, double>{
+      {"train/loss", loss / static_cast<double>(config_.gradient_steps)},
+      {"train/expert_reward", best_reward / static_cast<double>(std::max<int64_t>(asked, 1))},
+      {"time/rollout_s", rollout_s},
+      {"time/update_s", SecondsSince(start) - rollout_s},
+      {"time/fps", static_cast<double>(made) / SecondsSince(start)}});
+  return scalars;
+}
+
+double ExpertIteration::Learn() {
+  AdviceBuffer::Examples examples = buffer_.Sample(config_.minibatch_size, shuffle_stream_);
+  if (config_.symmetry) {
+    const ObservationSpec& spec = env_.observation_spec();
+    const Region& region = env_.episodes()[0].region;
+    const bool square = spec.rows == spec.columns && region.width_m == region.depth_m;
+    const int symmetry = static_cast<int>(
+        shuffle_stream_.Index(square ? kSymmetriesOfSquare : kSymmetriesOfRectangle));
+    examples.observation.map = Transformed(examples.observation.map, symmetry);
+    examples.action = TransformedAction(examples.action, symmetry);
+  }
+  const auto terms = network_.Evaluate(
+      {examples.observation.map.to(device_), examples.observation.vec.to(device_)},
+      examples.action.to(device_));
+  const auto loss = -terms.log_prob.mean();
+  optimizer_.ZeroGradients();
+  loss.backward();
+  const double norm = optimizer_.ClipGradients(config_.max_gradient_norm);
+  SAND_CHECK(std::isfinite(norm), "a gradient is NaN", steps_);
+  const double left = config_.learning_rate_schedule == "constant"
+                          ? 1.0
+                          : 1.0 - static_cast<double>(steps_) / static_cast<double>(total_steps_);
+  optimizer_.Step(config_.learning_rate * std::max(left, 0.0));
+  return loss.item<double>();
+}
+
+torch::Tensor ExpertIteration::Mean(const ObservationBatch& observation) {
+  return network_.Mean(ToTensors(observation, env_.observation_spec(), device_)).contiguous();
+}
+
+void ExpertIteration::Save(Safetensors& content) const {
+  nlohmann::json state = {{"steps", steps_},
+                          {"shuffle", StreamToJson(shuffle_stream_)},
+                          {"streams", nlohmann::json::array()}};
+  for (const auto& stream : streams_) state["streams"].push_back(StreamToJson(stream));
+  content.metadata["expert_state"] = state.dump();
+  SaveWeights(network_, "network.", content);
+  optimizer_.Save("expert", content);
+  buffer_.Save(content);
+}
+
+void ExpertIteration::Load(const Safetensors& content, const std::string& source) {
+  const auto state = ParsedMetadata(content, "expert_state", source);
+  if (state.at("streams").size() != streams_.size())
+    throw Error(fmt::format("{}: saved with {} environments; env.num_envs is {}", source,
+                            state.at("streams").size(), streams_.size()));
+  LoadWeights(content, "network.", source, network_);
+  optimizer_.Load("expert", content, source);
+  buffer_.Load(content, source);
+  steps_ = state.at("steps");
+  shuffle_stream_ = StreamFromJson(state.at("shuffle"));
+  for (size_t i = 0; i < streams_.size(); ++i)
+    streams_[i] = StreamFromJson(state.at("streams")[i]);
+  RestartEpisodes();
+}
+
+}  // namespace sandwright
