@@ -7,7 +7,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "agents/stroke_proposals.h"
+#include "agents/refine.h"
+#include "agents/stroke_proposal.h"
 #include "agents/symmetry.h"
 #include "data/base/error.h"
 #include "robot_model/safety_gate.h"
@@ -16,6 +17,7 @@ namespace sandwright {
 namespace {
 
 constexpr double kAdamEpsilon = 1e-8;
+constexpr double kSurplusShare = 0.8;  // of the strokes that are not the policy's
 
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point start) {
@@ -97,14 +99,14 @@ ExpertIteration::Advice ExpertIteration::Ask(const EpisodeState& state,
   const auto refined = static_cast<size_t>(config_.refine_share *
                                            static_cast<double>(config_.evaluations));
   std::vector<Action> candidates(from_policy.begin(), from_policy.end());
-  const SurplusProposals proposals(View(state));
+  const StrokeProposal proposal(View(state), kSurplusShare);
   while (candidates.size() + refined < static_cast<size_t>(config_.evaluations))
-    candidates.push_back(proposals.Draw(stream));
+    candidates.push_back(proposal.Draw(stream));
   Advice advice;
   Try(state, candidates, advice);
   if (advice.action.empty()) return advice;
   candidates.clear();
-  while (candidates.size() < refined) candidates.push_back(Near(advice.action.front(), stream));
+  while (candidates.size() < refined) candidates.push_back(ActionNear(advice.action.front(), stream));
   Try(state, candidates, advice);
   return advice;
 }

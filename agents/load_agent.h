@@ -4,22 +4,26 @@
 #include <memory>
 #include <string>
 
-#include "agents/greedy.h"
+#include "agents/planner_configs.h"
 #include "env/agent.h"
 
 namespace sandwright {
 
+// What `--agent` takes.
+inline constexpr const char* kAgentNames =
+    "random, boustrophedon, sweep, greedy, cem, ga, ranked, default or a .safetensors file of a policy";
+
 // What an agent may need; `model` must outlive the agent.
 struct AgentOptions {
   const SandModel& model;  // that planners plan with
-  GreedyConfig greedy;
+  PlannerConfigs planners = {};
   double speed_mps = 0.1;            // of the strokes that planners imagine
   std::string device = "auto";       // of a policy's network
   const SafetyGate* gate = nullptr;  // whose refusals planners avoid; must outlive the agent
 };
 
-// `random`, `greedy`, `default` (the shipped policy) or a policy's .safetensors file. Throws Error
-// that lists these for any other name.
+// One of kAgentNames; `default` is the shipped policy. Throws Error that lists them for any other name,
+// and for planners' keys that do not go together.
 std::unique_ptr<Agent> LoadAgent(const std::string& name_or_file, const AgentOptions& options);
 
 }  // namespace sandwright

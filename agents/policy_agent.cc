@@ -12,9 +12,7 @@ namespace {
 constexpr double kSizeTolerance_m = 1e-6;
 }  // namespace
 
-std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views,
-                                     std::span<RandomStream> streams) {
-  if (views.empty()) return {};
+ObservationTensors PolicyAgent::Observe(std::span<const TaskView> views) const {
   const ObservationSpec spec = SpecOf(card_.observation);
   const auto map_size = static_cast<size_t>(spec.map_size()),
              vec_size = static_cast<size_t>(spec.vec_size());
@@ -31,7 +29,13 @@ std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views,
     Encode(views[i], card_.observation, batch.map.data() + i * map_size,
            batch.vec.data() + i * vec_size);
   }
-  const ObservationTensors observation = ToTensors(batch, spec, device_);
+  return ToTensors(batch, spec, device_);
+}
+
+std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views,
+                                     std::span<RandomStream> streams) {
+  if (views.empty()) return {};
+  const ObservationTensors observation = Observe(views);
   const auto mean = network_.Mean(observation).contiguous();
   std::vector<Action> actions(views.size());
   std::memcpy(actions.data(), mean.data_ptr<float>(), views.size() * sizeof(Action));
@@ -44,6 +48,16 @@ std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views,
         network_.Sample({row(observation.map), row(observation.vec)}, streams.subspan(i, 1)).action;
     std::memcpy(actions[i].data(), drawn.data_ptr<float>(), sizeof(Action));
   }
+  return actions;
+}
+
+std::vector<Action> PolicyAgent::Samples(const TaskView& view, RandomStream& stream,
+                                         int64_t count) {
+  if (count == 0) return {};
+  const auto drawn =
+      network_.Sample(Observe({&view, 1}), {&stream, 1}, static_cast<int>(count)).action.contiguous();
+  std::vector<Action> actions(static_cast<size_t>(count));
+  std::memcpy(actions.data(), drawn.data_ptr<float>(), actions.size() * sizeof(Action));
   return actions;
 }
 

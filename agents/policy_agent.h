@@ -31,8 +31,13 @@ class PolicyAgent final : public Agent {
   // size than the one the policy was trained in.
   std::vector<Action> Act(std::span<const TaskView> views,
                           std::span<RandomStream> streams) override;
+  // `count` actions drawn from the policy for one view.
+  std::vector<Action> Samples(const TaskView& view, RandomStream& stream, int64_t count);
 
  private:
+  // What the network sees of the views, a row each. Throws as Act.
+  ObservationTensors Observe(std::span<const TaskView> views) const;
+
   std::string name_;
   PolicyCard card_;
   std::unique_ptr<ActorCritic> owned_;

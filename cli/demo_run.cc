@@ -206,11 +206,14 @@ DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t se
                        .speed_mps = config.speed_mps};
   timings.Mark("goal, cell and models");
 
+  const AgentOptions options{.model = *model,
+                             .planners = config.planners,
+                             .speed_mps = config.speed_mps,
+                             .gate = &gate};
   std::vector<ExecutedStroke> executed;
   for (const std::string& name : {config.agent, std::string("greedy"), std::string("random")}) {
     if (!report.runs.empty() && name == config.agent) continue;  // no rival beside itself
-    const auto agent = LoadAgent(
-        name, {.model = *model, .greedy = {}, .speed_mps = config.speed_mps, .gate = &gate});
+    const auto agent = LoadAgent(name, options);
     const bool first = report.runs.empty();
     report.runs.push_back(
         RunAgent(*agent, *model, gate, job, world, config, seed, first ? &executed : nullptr));

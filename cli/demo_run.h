@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "agents/planner_configs.h"
 #include "cli/demo_report.h"
 #include "data/scan.h"
 #include "env/heightfield.h"
@@ -22,6 +23,7 @@ struct DemoConfig {
   ScanConfig scan;
   HeightfieldConfig world;  // differs from the model on purpose: real sand is never the model
   SimulatedRigConfig rig;
+  PlannerConfigs planners;
 
   DemoConfig() {
     scan.cell_size_m = 0.004;
@@ -40,6 +42,7 @@ struct DemoConfig {
     f.Section("scan", scan);
     f.Section("world", world);
     f.Section("rig", rig);
+    planners.Fields(f);
   }
 };
 

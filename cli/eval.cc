@@ -15,7 +15,7 @@ namespace {
 class EvalCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--agent", agent_, "random, greedy, default or a policy's .safetensors file")
+    app.add_option("--agent", agent_, kAgentNames)
         ->required();
     app.add_option("--model", model_, "sand model that the agent plans with")
         ->capture_default_str();
@@ -31,7 +31,7 @@ class EvalCommand final : public Command {
   void Fields(FieldList& f) override {
     f.Section("task", task_);
     f.Section("episode", episode_);
-    f.Section("greedy", greedy_);
+    planners_.Fields(f);
     sand_.Fields(f);
     f.Add("workcell", workcell_,
           "workcell whose gate refuses strokes: a file, or a name in configs/; empty: no arm");
@@ -44,7 +44,7 @@ class EvalCommand final : public Command {
     const auto world = world_.empty() ? nullptr : LoadSandModel(world_, sand_);
     const auto gate = LoadGate(workcell_);
     const auto agent =
-        LoadAgent(agent_, {*model, greedy_, episode_.speed_mps, device_, gate.get()});
+        LoadAgent(agent_, {*model, planners_, episode_.speed_mps, device_, gate.get()});
     const std::vector<Task> tasks = Tasks();
     int64_t budget = 0;
     for (const Task& task : tasks) budget += task.max_strokes;
@@ -89,7 +89,7 @@ class EvalCommand final : public Command {
   int episodes_ = 0;
   TaskConfig task_;
   EpisodeConfig episode_;
-  GreedyConfig greedy_;
+  PlannerConfigs planners_;
   SandModelConfig sand_;
 };
 

@@ -17,7 +17,7 @@ namespace {
 class PlanCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--agent", agent_, "random, greedy, default or a .safetensors file")->required();
+    app.add_option("--agent", agent_, kAgentNames)->required();
     app.add_option("--model", model_, "sand model that predicts each stroke")
         ->capture_default_str();
     app.add_option("--terrain", terrain_, "height map of the whole box, datum floor")->required();
@@ -31,7 +31,7 @@ class PlanCommand final : public Command {
   void Fields(FieldList& f) override {
     f.Section("episode", episode_);
     sand_.Fields(f);
-    f.Section("greedy", greedy_);
+    planners_.Fields(f);
   }
 
   int Run() override {
@@ -41,7 +41,7 @@ class PlanCommand final : public Command {
         LoadWorkcell(workcell_.empty() ? ShippedConfig("workcell.yaml").string() : workcell_));
     const auto agent = LoadAgent(
         agent_,
-        {.model = *model, .greedy = greedy_, .speed_mps = episode_.speed_mps, .gate = &gate});
+        {.model = *model, .planners = planners_, .speed_mps = episode_.speed_mps, .gate = &gate});
     const Task task{ReadHeightMap(terrain_), ReadGoal(goal_), max_strokes_};
     CheckTask(task, goal_);
     const ShapingRun run =
@@ -85,7 +85,7 @@ class PlanCommand final : public Command {
   int max_strokes_ = 20;
   EpisodeConfig episode_;
   SandModelConfig sand_;
-  GreedyConfig greedy_;
+  PlannerConfigs planners_;
 };
 
 }  // namespace

@@ -20,9 +20,16 @@ double Physical(const Action& action, int i) {
   return entry.low + share * (entry.high - entry.low);
 }
 
-// Mean sensed height [m] under a blade that stands at `p` and travels along `direction`.
-double MeanHeightUnderBlade(const HeightMap& sensed, const Eigen::Vector2d& p,
-                            const Eigen::Vector2d& direction, const Blade& blade) {
+// The number in [-1, 1] for a physical value, before bounds.
+double Share(size_t entry, double physical) {
+  const ActionEntry& e = kActionSpec[entry];
+  return 2 * (physical - e.low) / (e.high - e.low) - 1;
+}
+
+}  // namespace
+
+double SandUnderBlade(const HeightMap& sensed, const Eigen::Vector2d& p,
+                      const Eigen::Vector2d& direction, const Blade& blade) {
   constexpr int kAcross = 9, kAlong = 3;  // samples at the middles of equal parts of the footprint
   const Eigen::Vector2d along = direction.normalized();
   const Eigen::Vector2d across(-along.y(), along.x());
@@ -37,8 +44,6 @@ double MeanHeightUnderBlade(const HeightMap& sensed, const Eigen::Vector2d& p,
   return sum / (kAcross * kAlong);
 }
 
-}  // namespace
-
 Stroke DecodeAction(const Action& action, const HeightMap& sensed, const Region& region,
                     const Blade& blade, double speed_mps) {
   const Eigen::Vector2d start(region.x_m + Physical(action, 0) * region.width_m,
@@ -51,8 +56,8 @@ Stroke DecodeAction(const Action& action, const HeightMap& sensed, const Region&
   // Also the tangents at the ends: towards and from the middle control point.
   const Eigen::Vector2d middle = (start + end) / 2 + bend * length_m * left;
   const double z_start =
-      MeanHeightUnderBlade(sensed, start, middle - start, blade) - Physical(action, 4);
-  const double z_end = MeanHeightUnderBlade(sensed, end, end - middle, blade) - Physical(action, 5);
+      SandUnderBlade(sensed, start, middle - start, blade) - Physical(action, 4);
+  const double z_end = SandUnderBlade(sensed, end, end - middle, blade) - Physical(action, 5);
 
   Stroke stroke;
   stroke.speed_mps = speed_mps;
@@ -63,6 +68,33 @@ Stroke DecodeAction(const Action& action, const HeightMap& sensed, const Region&
                                    {middle.x(), middle.y(), (z_start + z_end) / 2});
   }
   return stroke;
+}
+
+float WithinBounds(size_t entry, double value) {
+  return static_cast<float>(entry == kHeadingEntry ? std::remainder(value, 2.0)
+                                                   : std::clamp(value, -1.0, 1.0));
+}
+
+Action EncodeLine(const Eigen::Vector3d& start_m, const Eigen::Vector3d& end_m,
+                  const HeightMap& sensed, const Region& region, const Blade& blade) {
+  const Eigen::Vector2d chord = (end_m - start_m).head<2>();
+  SAND_CHECK(chord.norm() > 0, start_m.x(), start_m.y());
+  Action action{};
+  const auto set = [&](size_t entry, double physical) {
+    action[entry] = WithinBounds(entry, Share(entry, physical));
+  };
+  set(0, (start_m.x() - region.x_m) / region.width_m);
+  set(1, (start_m.y() - region.y_m) / region.depth_m);
+  set(kHeadingEntry, std::atan2(chord.y(), chord.x()));
+  set(3, chord.norm());
+  // The depths are counted from the sand under the ends of the line that the action stands for.
+  const Eigen::Vector2d along = chord.normalized();
+  const Eigen::Vector2d start(region.x_m + Physical(action, 0) * region.width_m,
+                              region.y_m + Physical(action, 1) * region.depth_m);
+  const Eigen::Vector2d end = start + Physical(action, 3) * along;
+  set(4, SandUnderBlade(sensed, start, along, blade) - start_m.z());
+  set(5, SandUnderBlade(sensed, end, along, blade) - end_m.z());
+  return action;
 }
 
 }  // namespace sandwright

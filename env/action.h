@@ -34,10 +34,27 @@ inline constexpr std::array<ActionEntry, kActionSize> kActionSpec = {{
     {"bend", -0.5, 0.5},  // sideways offset of the middle control point as a share of length
 }};
 
+// The heading alone goes round.
+inline constexpr size_t kHeadingEntry = 2;
+static_assert(kActionSpec[kHeadingEntry].name == "heading_rad");
+
+// `value` of entry `entry` brought into [-1, 1]: the heading goes round, the others stop at the bounds.
+float WithinBounds(size_t entry, double value);
+
 // The only way from an action to a stroke. Depths are taken below the mean *sensed* height under
 // the blade at that end. Never shifts a stroke to make it fit: what leaves the box is the gate's to
 // reject. Values beyond [-1, 1] by at most 1e-6 are taken as the bound; more, or NaN, throws Error.
 Stroke DecodeAction(const Action& action, const HeightMap& sensed, const Region& region,
                     const Blade& blade, double speed_mps);
+
+// Mean sensed height [m] under a blade that stands at `p` [m] in frame B and travels along `direction`.
+double SandUnderBlade(const HeightMap& sensed, const Eigen::Vector2d& p,
+                      const Eigen::Vector2d& direction, const Blade& blade);
+
+// The inverse for a line: the action whose stroke runs from `start_m` to `end_m` (x, y, z of the blade's
+// lower edge in frame B, apart in the plane). What no action reaches is brought to the nearest bound: the
+// start into the region, length and depths into their ranges.
+Action EncodeLine(const Eigen::Vector3d& start_m, const Eigen::Vector3d& end_m,
+                  const HeightMap& sensed, const Region& region, const Blade& blade);
 
 }  // namespace sandwright

@@ -98,7 +98,7 @@ TEST(Evaluate, DrawsOnePictureATask) {
 TEST(GreedyAgent, ChoosesWhatItsModelSaysIsBest) {
   const std::vector<Task> tasks = SmallTasks(3);
   const Heightfield sand;
-  GreedyAgent greedy(sand, {.candidates = 40}, 0.1);
+  GreedyAgent greedy(StrokeJudge(sand, 0.1), {.evaluations = 40});
   const Evaluation result = Evaluate(greedy, {sand, nullptr, 2}, {}, tasks, 7);
   RandomAgent random;
   const Evaluation rival = Evaluate(random, {sand, nullptr, 2}, {}, tasks, 7);
@@ -114,7 +114,7 @@ TEST(GreedyAgent, ChoosesWhatItsModelSaysIsBest) {
 TEST(GreedyAgent, SeesTheSensedMapOnlyAndIsDeterministic) {
   const std::vector<Task> tasks = SmallTasks(1);
   const Heightfield sand;
-  GreedyAgent greedy(sand, {.candidates = 10}, 0.1);
+  GreedyAgent greedy(StrokeJudge(sand, 0.1), {.evaluations = 10});
   const TaskView view{tasks[0].terrain, tasks[0].goal, RegionOf(tasks[0], {}), 0, 4, 0};
   RandomStream first(1), second(1);
   const auto a = greedy.Act({&view, 1}, {&first, 1}), b = greedy.Act({&view, 1}, {&second, 1});
@@ -125,16 +125,16 @@ TEST(GreedyAgent, SeesTheSensedMapOnlyAndIsDeterministic) {
 
 TEST(LoadAgent, NamesWhatThereIs) {
   const StillSand sand;
-  const AgentOptions options{sand, {}};
+  const AgentOptions options{sand};
   EXPECT_EQ(LoadAgent("random", options)->name(), "random");
   EXPECT_EQ(LoadAgent("greedy", options)->name(), "greedy");
-  for (const char* name : {"cem", "ranked", "nonsense"}) {
+  for (const char* name : {"mcts", "nonsense"}) {
     try {
       LoadAgent(name, options);
       ADD_FAILURE() << name;
     } catch (const Error& e) {
       EXPECT_THAT(e.what(), HasSubstr(std::string("no agent '") + name +
-                                      "' in this version; allowed: random, greedy"));
+                                      "' in this version; allowed: random, boustrophedon, sweep, greedy, cem, ga, ranked"));
     }
   }
   EXPECT_THROW(LoadAgent("missing.safetensors", options), Error);

@@ -117,5 +117,44 @@ TEST(DecodeAction, EveryActionIsAStroke) {
   }
 }
 
+TEST(EncodeLine, IsTheInverseOfDecodeForLines) {
+  HeightMap hills = Flat();
+  for (int row = 0; row < hills.rows; ++row)
+    for (int column = 0; column < hills.columns; ++column)
+      hills.At(row, column) += static_cast<float>(0.01 * std::sin(0.5 * row) * std::cos(0.3 * column));
+  const Region region{0.05, 0.02, 0.2, 0.15};
+  RandomStream stream(1);
+  for (int n = 0; n < 500; ++n) {
+    Action action;
+    for (float& a : action) a = static_cast<float>(stream.Uniform(-1, 1));
+    action[6] = 0;
+    const Stroke stroke = Decode(action, hills, region);
+    const Action again = EncodeLine(stroke.control_points_m[0], stroke.control_points_m[1], hills,
+                                    region, kBlade);
+    for (size_t i = 0; i < action.size(); ++i) EXPECT_NEAR(again[i], action[i], 1e-5) << i;
+    const Stroke same = Decode(again, hills, region);
+    for (size_t p = 0; p < 2; ++p)
+      EXPECT_LT((same.control_points_m[p] - stroke.control_points_m[p]).norm(), 1e-6);
+  }
+}
+
+TEST(EncodeLine, WhatNoActionReachesIsBroughtToTheBound) {
+  const Eigen::Vector3d outside(-0.1, 0.1, 0.05), far(0.5, 0.1, 0.0);
+  const Action action = EncodeLine(outside, far, Flat(), kWhole, kBlade);
+  EXPECT_EQ(action[0], -1.0f);
+  EXPECT_EQ(action[3], 1.0f);  // 180 mm at most
+  EXPECT_EQ(action[5], 1.0f);  // 30 mm at most
+  ExpectPoint(Decode(action).control_points_m[0], 0, 0.1, 0.05);
+  ExpectPoint(Decode(action).control_points_m[1], 0.18, 0.1, 0.02);
+  EXPECT_THROW(EncodeLine(outside, outside, Flat(), kWhole, kBlade), Error);
+}
+
+TEST(WithinBounds, TheHeadingGoesRoundTheRestStops) {
+  EXPECT_NEAR(WithinBounds(kHeadingEntry, 1.25), -0.75, 1e-6);
+  EXPECT_NEAR(WithinBounds(kHeadingEntry, -3.5), 0.5, 1e-6);
+  EXPECT_EQ(WithinBounds(0, 1.25), 1.0f);
+  EXPECT_EQ(WithinBounds(6, -7), -1.0f);
+}
+
 }  // namespace
 }  // namespace sandwright
