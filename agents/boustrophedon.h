@@ -10,7 +10,11 @@ namespace sandwright {
 struct BoustrophedonConfig {
   double lane_spacing = 1;
   int64_t headings = 16;
-  WedgeConfig wedge = {};
+  WedgeConfig wedge = {.start_back_m = -0.02,
+                       .end_back_m = 0.03,
+                       .depth_gain = 1.1,
+                       .most_depth_m = 0.02,
+                       .end_depth_m = -0.005};
 
   void Fields(FieldList& f) {
     f.Add("lane_spacing", lane_spacing, "from lane to lane, in widths of the blade", 0.1, 4);

@@ -11,7 +11,7 @@ struct CemConfig {
   int64_t evaluations = 150;
   int64_t horizon = 1;
   int64_t iterations = 4;
-  int64_t elites = 5;
+  int64_t elites = 3;
   double smoothing = 0.1;
   double least_sd = 0.05;
   double surplus_share = 0.8;

@@ -11,7 +11,7 @@ struct GaConfig {
   int64_t evaluations = 150;
   int64_t horizon = 1;
   int64_t generations = 5;
-  int64_t parents = 8;
+  int64_t parents = 4;
   double crossover_rate = 0.5;
   double mutation_rate = 0.5;
   double mutation_spread = 0.2;
