@@ -45,7 +45,8 @@ class ActorCritic : public torch::nn::Module {
   ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
               RandomStream& stream, int choices = 0);
 
-  // One action a row, drawn with streams[row].
+  // One action a row, drawn with streams[row]. A few rows without a map are computed without torch
+  // (plain_layers.h), to within 1e-6 of what it gives.
   Decision Sample(const ObservationTensors& observation, std::span<RandomStream> streams);
   // The most probable place and the mean of the rest, or the most probable choice: [B, A] on the
   // CPU.
@@ -72,6 +73,8 @@ class ActorCritic : public torch::nn::Module {
   Encoding Encode(const ObservationTensors& observation);
   torch::Tensor PlaceLogits(const Encoding& encoding, const torch::Tensor& map);
   Decision SampleChoice(const Encoding& encoding, std::span<RandomStream> streams);
+  // Sample without torch, of numbers [B, V] on the CPU.
+  Decision SamplePlainly(const torch::Tensor& numbers, std::span<RandomStream> streams);
   // Beta outputs given the place [B, 3] (undefined without a map).
   BetaParameters RestOf(const Encoding& encoding, const torch::Tensor& place);
   torch::Tensor ValueOf(const Encoding& encoding);

@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <chrono>
 #include <limits>
 #include <optional>
 
@@ -63,6 +64,7 @@ class Run {
     WriteSafetensors(training_.Pack(), run_.folder / "agent.safetensors");
     nlohmann::json result = {{"steps", trainer_.steps()},
                              {"seconds", progress.elapsed_s()},
+                             {"evaluation_seconds", evaluation_s_},
                              {"seed", run_.seed},
                              {"device", torch::DeviceTypeName(SelectDevice(config_.device).type(), true)}};
     if (verdict_) result.update(training_.Result(*verdict_, least_cost_));
@@ -77,7 +79,10 @@ class Run {
 
   // Adds to `scalars`; returns what to tell.
   std::string Evaluate(std::map<std::string, double>& scalars) {
+    const auto start = std::chrono::steady_clock::now();
     const std::optional<Verdict> verdict = training_.Evaluate();
+    evaluation_s_ +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!verdict) return "";
     verdict_ = verdict;
     if (verdict->cost < least_cost_) {
@@ -102,6 +107,7 @@ class Run {
   Trainer& trainer_;
   std::optional<Verdict> verdict_;
   double least_cost_ = std::numeric_limits<double>::max();
+  double evaluation_s_ = 0;
 };
 
 }  // namespace

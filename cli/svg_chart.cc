@@ -42,6 +42,10 @@ std::string DrawChart(const Chart& chart) {
       x_low = std::min(x_low, scaled(series.x[i])), x_high = std::max(x_high, scaled(series.x[i]));
       include_y(series.y[i]);
     }
+    SAND_CHECK(series.low.size() == series.high.size() &&
+                   (series.low.empty() || series.low.size() == series.x.size()),
+               series.name);
+    for (size_t i = 0; i < series.low.size(); ++i) include_y(series.low[i]), include_y(series.high[i]);
   }
   SAND_CHECK(x_low <= x_high);
   if (chart.reference_y) include_y(*chart.reference_y);
@@ -88,6 +92,14 @@ std::string DrawChart(const Chart& chart) {
   double legend_x = left;
   for (const ChartSeries& series : chart.series) {
     std::string points;
+    for (size_t i = 0; i < series.low.size(); ++i)
+      points += fmt::format("{:.1f},{:.1f} ", px(series.x[i]), py(series.low[i]));
+    for (size_t i = series.high.size(); i-- > 0;)
+      points += fmt::format("{:.1f},{:.1f} ", px(series.x[i]), py(series.high[i]));
+    if (!points.empty())
+      svg += fmt::format("<polygon points=\"{}\" fill=\"{}\" opacity=\"0.2\"/>\n", points,
+                         series.colour);
+    points.clear();
     const auto finish_line = [&] {
       if (!points.empty())
         svg += fmt::format(

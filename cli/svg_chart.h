@@ -9,8 +9,9 @@ namespace sandwright {
 
 struct ChartSeries {
   std::string name;
-  std::vector<double> x = {}, y = {};  // a NaN in x: the line ends here and begins anew
-  std::string colour = {};             // any CSS colour
+  std::vector<double> x = {}, y = {};       // a NaN in x: the line ends here and begins anew
+  std::vector<double> low = {}, high = {};  // of a band around y at each x; empty: none
+  std::string colour = {};                  // any CSS colour
   bool markers = true;
 };
 
