@@ -1,5 +1,6 @@
 #include "agents/train.h"
 
+#include <malloc.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <chrono>
@@ -18,6 +19,16 @@
 
 namespace sandwright {
 namespace {
+
+// A gradient step asks for the same blocks of up to megabytes again and again, which glibc hands back
+// to the kernel each time: a seventh of SAC's time went into fresh pages.
+void KeepFreedMemory() {
+#ifdef __GLIBC__
+  constexpr int kLargest_bytes = 256 << 20;
+  mallopt(M_MMAP_THRESHOLD, kLargest_bytes);
+  mallopt(M_TRIM_THRESHOLD, kLargest_bytes);
+#endif
+}
 
 // One run from its first to its last update.
 class Run {
@@ -113,6 +124,7 @@ class Run {
 }  // namespace
 
 nlohmann::json Train(TrainConfig config, TrainRun run) {
+  KeepFreedMemory();
   torch::set_num_threads(static_cast<int>(config.torch_threads));
   std::optional<Safetensors> content;
   std::string source;
