@@ -40,6 +40,12 @@ torch::Tensor BetaLogProb(const BetaParameters& p, const torch::Tensor& action) 
   return (log_density - std::log(2.0)).sum(-1);
 }
 
+double BetaLogProb(double alpha, double beta, double action) {
+  const double x = std::clamp((action + 1.0) * 0.5, kMargin, 1.0 - kMargin);
+  return (alpha - 1.0) * std::log(x) + (beta - 1.0) * std::log1p(-x) - std::lgamma(alpha) -
+         std::lgamma(beta) + std::lgamma(alpha + beta) - std::log(2.0);
+}
+
 torch::Tensor BetaEntropy(const BetaParameters& p) {
   const auto total = p.alpha + p.beta;
   const auto entropy = LogBetaFunction(p) - (p.alpha - 1.0) * torch::digamma(p.alpha) -

@@ -21,6 +21,8 @@ BetaParameters BetaFromOutputs(const torch::Tensor& outputs);
 
 // Log density of `action` [B, A] in (-1, 1), summed over A: [B].
 torch::Tensor BetaLogProb(const BetaParameters& p, const torch::Tensor& action);
+// The same of one number.
+double BetaLogProb(double alpha, double beta, double action);
 // Differential entropy, summed over A: [B].
 torch::Tensor BetaEntropy(const BetaParameters& p);
 // Mean action [B, A].

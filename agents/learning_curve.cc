@@ -9,7 +9,6 @@
 
 #include "data/base/atomic_file.h"
 #include "data/base/error.h"
-#include "data/base/random.h"
 
 namespace sandwright {
 namespace {
@@ -67,6 +66,17 @@ double InterquartileMean(std::vector<double> values) {
   return sum / (high - low);
 }
 
+Spread SpreadOf(const std::vector<double>& values, RandomStream& stream) {
+  std::vector<double> means(kResamples);
+  for (double& mean : means) {
+    std::vector<double> drawn;
+    for (size_t i = 0; i < values.size(); ++i) drawn.push_back(values[stream.Index(values.size())]);
+    mean = InterquartileMean(std::move(drawn));
+  }
+  std::ranges::sort(means);
+  return {InterquartileMean(values), means[kResamples / 40], means[kResamples - 1 - kResamples / 40]};
+}
+
 LearningCurve ReadLearningCurve(std::span<const std::filesystem::path> run_folders,
                                 const std::string& column, uint64_t seed) {
   SAND_CHECK(!run_folders.empty());
@@ -80,17 +90,11 @@ LearningCurve ReadLearningCurve(std::span<const std::filesystem::path> run_folde
     for (const auto& run : runs)
       if (const auto at = run.find(step); at != run.end()) values.push_back(at->second);
     if (values.size() != runs.size()) continue;
-    std::vector<double> means(kResamples);
-    for (double& mean : means) {
-      std::vector<double> drawn;
-      for (size_t i = 0; i < values.size(); ++i) drawn.push_back(values[stream.Index(values.size())]);
-      mean = InterquartileMean(std::move(drawn));
-    }
-    std::ranges::sort(means);
+    const Spread spread = SpreadOf(values, stream);
     curve.steps.push_back(static_cast<double>(step));
-    curve.iqm.push_back(InterquartileMean(values));
-    curve.low95.push_back(means[static_cast<size_t>(0.025 * kResamples)]);
-    curve.high95.push_back(means[static_cast<size_t>(0.975 * kResamples)]);
+    curve.iqm.push_back(spread.iqm);
+    curve.low95.push_back(spread.low95);
+    curve.high95.push_back(spread.high95);
   }
   if (curve.steps.empty())
     throw Error(fmt::format("{}: \"{}\" has no step that all {} runs share",

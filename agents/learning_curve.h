@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "data/base/random.h"
+
 namespace sandwright {
 
 struct LearningCurve {
@@ -19,8 +21,15 @@ struct LearningCurve {
 // empty.
 double InterquartileMean(std::vector<double> values);
 
-// `column` of the progress.csv of each run folder, at the steps where all runs have it. The interval is
-// the percentile bootstrap over runs (one run: the value itself). The same seed gives the same figures.
+struct Spread {
+  double iqm = 0, low95 = 0, high95 = 0;
+};
+// Of one value a seed: the interquartile mean, and the percentile bootstrap's interval of it over seeds
+// (one seed: the value itself). `values` is not empty.
+Spread SpreadOf(const std::vector<double>& values, RandomStream& stream);
+
+// `column` of the progress.csv of each run folder, at the steps where all runs have it. The same seed
+// gives the same figures.
 // Throws Error naming the folder or column where there is no such file or column, or no common step.
 LearningCurve ReadLearningCurve(std::span<const std::filesystem::path> run_folders,
                                 const std::string& column, uint64_t seed);

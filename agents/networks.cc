@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "agents/categorical.h"
+#include "agents/plain_layers.h"
 #include "data/base/error.h"
 #include "env/observation.h"
 
@@ -17,6 +18,8 @@ namespace F = torch::nn::functional;
 constexpr double kHiddenGain = std::numbers::sqrt2;
 constexpr const char* kSurplusChannel = "goal_difference_coarse";
 constexpr double kPolicyGain = 0.01;  // the first policy is close to uniform
+constexpr int64_t kPlainRows = 32;    // more of them at once are torch's
+constexpr double kLinearSoftplus = 20;  // above it softplus is the identity, as in torch
 
 // Rows (or columns) of equal length at right angles: Saxe et al., ICLR 2014.
 void Orthogonal(torch::Tensor weight, double gain, RandomStream& stream) {
@@ -293,9 +296,54 @@ torch::Tensor ActorCritic::Offsets(const torch::Tensor& action, const torch::Ten
                     1);
 }
 
+ActorCritic::Decision ActorCritic::SamplePlainly(const torch::Tensor& numbers,
+                                                 std::span<RandomStream> streams) {
+  PlainRows rows = Eigen::Map<const PlainRows>(numbers.data_ptr<float>(), numbers.size(0),
+                                               numbers.size(1));
+  if (normalizer_)
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+      normalizer_->ForwardRow({rows.row(i).data(), static_cast<size_t>(rows.cols())});
+  PlainRows outputs = PlainLinear(rest_head_, PlainTanhLayers(whole_in_, whole_out_, rows));
+  const PlainRows value = PlainLinear(value_head_, PlainTanhLayers(value_in_, value_hidden_, rows));
+  Decision decision{torch::empty({rows.rows(), action_size_}), torch::empty({rows.rows()}),
+                    torch::empty({rows.rows()})};
+  float* action = decision.action.data_ptr<float>();
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    RandomStream& stream = streams[static_cast<size_t>(i)];
+    double log_prob = 0;
+    if (choices_ > 0) {
+      auto row = outputs.row(i).array();
+      row = (row - row.maxCoeff()).exp();
+      row /= row.sum();
+      const int choice = SampleCategorical({row.data(), static_cast<size_t>(choices_)}, stream);
+      log_prob = std::log(row[choice]);
+      *action++ = static_cast<float>(choice);
+    } else {
+      const auto concentration = [&](int64_t j) {
+        const double output = outputs(i, j);
+        return 1.0 + (output > kLinearSoftplus ? output : std::log1p(std::exp(output)));
+      };
+      for (int64_t j = 0; j < action_size_; ++j) {
+        const double alpha = concentration(j), beta = concentration(action_size_ + j);
+        *action = SampleBeta(alpha, beta, stream);
+        log_prob += BetaLogProb(alpha, beta, *action++);
+      }
+    }
+    decision.log_prob.data_ptr<float>()[i] = static_cast<float>(log_prob);
+    decision.value.data_ptr<float>()[i] = value(i, 0);
+  }
+  return decision;
+}
+
 ActorCritic::Decision ActorCritic::Sample(const ObservationTensors& observation,
                                           std::span<RandomStream> streams, int draws) {
   const torch::NoGradGuard no_grad;
+  if (!has_map_ && observation.vec.is_cpu() && observation.vec.size(0) <= kPlainRows) {
+    SAND_CHECK(observation.vec.is_contiguous() &&
+                   observation.vec.size(0) == static_cast<int64_t>(streams.size()),
+               streams.size());
+    return SamplePlainly(observation.vec, streams);
+  }
   const Encoding encoding = Encode(observation);
   SAND_CHECK(encoding.whole.size(0) == static_cast<int64_t>(streams.size()),
              encoding.whole.size(0), streams.size());

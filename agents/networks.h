@@ -48,7 +48,8 @@ class ActorCritic : public torch::nn::Module {
   ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
               RandomStream& stream, int choices = 0);
 
-  // `draws` actions a row (1 without a map), one after the other, drawn with streams[row].
+  // `draws` actions a row (1 without a map), one after the other, drawn with streams[row]. A few rows
+  // without a map are computed without torch (plain_layers.h), to within 1e-6 of what it gives.
   Decision Sample(const ObservationTensors& observation, std::span<RandomStream> streams,
                   int draws = 1);
   // The most probable bin (of the config.judged most probable ones that of the greatest worth) and the
@@ -97,6 +98,8 @@ class ActorCritic : public torch::nn::Module {
   // The reward [M] that `action` [M, A] brings in the encoding's rows `row` [M], one stroke ahead.
   torch::Tensor WorthOf(const Encoding& encoding, const torch::Tensor& row,
                         const torch::Tensor& action);
+  // Sample without torch, of numbers [B, V] on the CPU.
+  Decision SamplePlainly(const torch::Tensor& numbers, std::span<RandomStream> streams);
   torch::Tensor ValueOf(const Encoding& encoding);
 
   bool has_map_;

@@ -1,8 +1,11 @@
 #include "agents/observation_normalizer.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace sandwright {
 namespace {
-constexpr double kFarthest = 10, kLeastVariance = 1e-8;
+constexpr float kFarthest = 10, kLeastVariance = 1e-8f;
 }  // namespace
 
 ObservationNormalizer::ObservationNormalizer(int64_t size)
@@ -26,6 +29,13 @@ void ObservationNormalizer::Observe(const torch::Tensor& rows) {
 
 torch::Tensor ObservationNormalizer::Forward(const torch::Tensor& rows) const {
   return ((rows - mean_) / (variance_ + kLeastVariance).sqrt()).clamp(-kFarthest, kFarthest);
+}
+
+void ObservationNormalizer::ForwardRow(std::span<float> row) const {
+  const float *const mean = mean_.data_ptr<float>(), *const variance = variance_.data_ptr<float>();
+  for (size_t i = 0; i < row.size(); ++i)
+    row[i] = std::clamp((row[i] - mean[i]) / std::sqrt(variance[i] + kLeastVariance), -kFarthest,
+                        kFarthest);
 }
 
 }  // namespace sandwright

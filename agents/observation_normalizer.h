@@ -3,6 +3,8 @@
 
 #include <torch/torch.h>
 
+#include <span>
+
 namespace sandwright {
 
 // The statistics are buffers of the module: saved with the weights, and moved by Observe alone, so
@@ -16,6 +18,8 @@ class ObservationNormalizer : public torch::nn::Module {
   void Observe(const torch::Tensor& rows);
   // [B, size], within +-10 standard deviations. Before anything was observed: as it is.
   torch::Tensor Forward(const torch::Tensor& rows) const;
+  // The same in place and on the CPU, without torch's overhead: one row [size].
+  void ForwardRow(std::span<float> row) const;
 
  private:
   torch::Tensor count_, mean_, variance_;  // [1], [size], [size]

@@ -19,7 +19,7 @@ torch::Tensor Through(const std::array<torch::Tensor, 3>& weight,
   auto values = input.unsqueeze(0).expand({weight[0].size(0), -1, -1});
   for (size_t layer = 0; layer < weight.size(); ++layer) {
     values = torch::baddbmm(bias[layer], values, weight[layer]);
-    if (layer + 1 < weight.size()) values = torch::relu(values);
+    if (layer + 1 < weight.size()) values = torch::relu_(values);
   }
   return values;
 }

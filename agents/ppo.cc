@@ -79,13 +79,15 @@ Ppo::Ppo(VecEnv& env, ActorCritic& network, const PpoConfig& config, int64_t tot
       seed_(seed),
       device_(device),
       optimizer_((network.to(device), network.parameters()), kAdamEpsilon),
-      shuffle_stream_(seed, StreamId("ppo shuffle")) {
+      shuffle_stream_(seed, StreamId("ppo shuffle")),
+      return_scaler_(env.num_envs(), config.gamma) {
   for (int i = 0; i < env.num_envs(); ++i)
     action_streams_.emplace_back(seed, StreamId("ppo action"), static_cast<uint64_t>(i));
   RestartEpisodes();
 }
 
 void Ppo::RestartEpisodes() {
+  return_scaler_.RestartEpisodes();
   observation_ = env_.Reset(
       RandomStream(seed_, StreamId("training episodes"), static_cast<uint64_t>(steps_)).Next64());
 }
@@ -116,6 +118,8 @@ Ppo::Rollout Ppo::Collect(PpoReport& report) {
     std::ranges::move(step.finished, std::back_inserter(report.finished));
     observation_ = std::move(step.observation);
   }
+  return_scaler_.Observe(rewards, ends);
+  if (config_.scale_rewards) return_scaler_.Scale(rewards);
   // V(s_{t+1}) is the next row's value, and the critic's at the end of the rollout...
   std::vector<float> after(values.begin() + static_cast<int64_t>(envs), values.end());
   Append(after, network_.Value(ToTensors(observation_, spec, device_)));
@@ -152,31 +156,39 @@ double Ppo::ShareLeft(const std::string& schedule) const {
   return std::max(0.0, 1.0 - static_cast<double>(steps_) / total);
 }
 
-double Ppo::Step(const Rollout& rollout, const torch::Tensor& index, PpoReport& report) {
-  const auto rows = [&](const torch::Tensor& t) { return t.index_select(0, index); };
-  const auto terms = network_.Evaluate(
-      {rows(rollout.observation.map), rows(rollout.observation.vec)}, rows(rollout.action));
-  const auto log_ratio = terms.log_prob - rows(rollout.log_prob);
+Ppo::Rollout Ppo::Rollout::Map(
+    const std::function<torch::Tensor(const torch::Tensor&)>& choose) const {
+  return {{choose(observation.map), choose(observation.vec)},
+          choose(action),
+          choose(log_prob),
+          choose(value),
+          choose(advantage),
+          choose(value_target)};
+}
+
+double Ppo::Step(const Rollout& rows, PpoReport& report) {
+  const auto terms = network_.Evaluate(rows.observation, rows.action);
+  const auto log_ratio = terms.log_prob - rows.log_prob;
   const auto ratio = log_ratio.exp();
-  auto advantage = rows(rollout.advantage);
-  advantage = (advantage - advantage.mean()) / (advantage.std() + 1e-8);
+  const auto advantage = (rows.advantage - rows.advantage.mean()) /
+                         (rows.advantage.std() + 1e-8).clamp_min(report.advantage_floor);
 
   // Equation 7 of the PPO paper, as a loss.
   const double clip = report.clip_range;
   const auto policy_loss =
       -torch::min(ratio * advantage, ratio.clamp(1.0 - clip, 1.0 + clip) * advantage).mean();
-  const auto target = rows(rollout.value_target);
-  auto value_error = (terms.value - target).square();
+  auto value_error = (terms.value - rows.value_target).square();
   if (config_.value_clip_range > 0) {
-    const auto old = rows(rollout.value);
-    const auto near =
-        old + (terms.value - old).clamp(-config_.value_clip_range, config_.value_clip_range);
-    value_error = torch::max(value_error, (near - target).square());
+    const double range = config_.value_clip_range;
+    const auto near = rows.value + (terms.value - rows.value).clamp(-range, range);
+    value_error = torch::max(value_error, (near - rows.value_target).square());
   }
   const auto value_loss = 0.5 * value_error.mean();
   const auto entropy = terms.entropy.mean();
-  const auto loss =
-      policy_loss + config_.value_coefficient * value_loss - config_.entropy_coefficient * entropy;
+  auto loss = policy_loss + config_.value_coefficient * value_loss;
+  // Left out of the graph where it weighs nothing: its derivative (polygamma) costs more than the
+  // network's.
+  if (config_.entropy_coefficient > 0) loss = loss - config_.entropy_coefficient * entropy;
   optimizer_.ZeroGradients();
   loss.backward();
   report.gradient_norm += optimizer_.ClipGradients(config_.max_gradient_norm);
@@ -203,6 +215,10 @@ PpoReport Ppo::Update() {
   report.learning_rate = config_.learning_rate * ShareLeft(config_.learning_rate_schedule);
   report.clip_range = config_.clip_range * ShareLeft(config_.clip_range_schedule);
   report.explained_variance = ExplainedVariance(rollout.value, rollout.value_target);
+  report.advantage_deviation = rollout.advantage.std().item<double>();
+  // Advantages are in the rewards' unit, which scaling has brought to the deviation.
+  report.advantage_floor =
+      config_.advantage_floor * (config_.scale_rewards ? 1.0 : return_scaler_.deviation());
 
   const int64_t count = rollout.action.size(0);
   // A remainder is spread over the minibatches: none is small, nothing is dropped.
@@ -210,11 +226,15 @@ PpoReport Ppo::Update() {
   int64_t gradient_steps = 0;
   bool moved_enough = false;
   for (int64_t epoch = 0; epoch < config_.epochs && !moved_enough; ++epoch, ++report.epochs) {
-    for (const auto& index : Permutation(count).tensor_split(minibatches)) {
-      const double kl = Step(rollout, index, report);
-      ++gradient_steps;
+    const auto order = Permutation(count);
+    const Rollout shuffled =
+        rollout.Map([&](const torch::Tensor& t) { return t.index_select(0, order); });
+    for (int64_t i = 0; i < minibatches && !moved_enough; ++i, ++gradient_steps) {
+      const int64_t begin = i * count / minibatches, end = (i + 1) * count / minibatches;
+      const double kl = Step(
+          shuffled.Map([&](const torch::Tensor& t) { return t.narrow(0, begin, end - begin); }),
+          report);
       moved_enough = config_.target_kl > 0 && kl > 1.5 * config_.target_kl;
-      if (moved_enough) break;
     }
   }
   for (double* mean : {&report.policy_loss, &report.value_loss, &report.entropy, &report.approx_kl,
@@ -238,6 +258,8 @@ std::map<std::string, double> Ppo::Advance() {
       {"train/approx_kl", report.approx_kl},
       {"train/clip_fraction", report.clip_fraction},
       {"train/explained_variance", report.explained_variance},
+      {"train/advantage_deviation", report.advantage_deviation},
+      {"train/return_deviation", return_scaler_.deviation()},
       {"train/gradient_norm", report.gradient_norm},
       {"train/learning_rate", report.learning_rate},
       {"train/epochs", static_cast<double>(report.epochs)},
@@ -255,6 +277,7 @@ torch::Tensor Ppo::Mean(const ObservationBatch& observation) {
 void Ppo::Save(Safetensors& content) const {
   nlohmann::json state = {{"steps", steps_},
                           {"shuffle", StreamToJson(shuffle_stream_)},
+                          {"returns", return_scaler_.ToJson()},
                           {"action", nlohmann::json::array()}};
   for (const auto& stream : action_streams_) state["action"].push_back(StreamToJson(stream));
   content.metadata["ppo_state"] = state.dump();
@@ -272,6 +295,7 @@ void Ppo::Load(const Safetensors& content, const std::string& source) {
   optimizer_.Load("ppo", content, source);
   steps_ = state.at("steps");
   shuffle_stream_ = StreamFromJson(state.at("shuffle"));
+  return_scaler_.FromJson(state.at("returns"));
   for (size_t i = 0; i < action_streams_.size(); ++i)
     action_streams_[i] = StreamFromJson(state.at("action")[i]);
   RestartEpisodes();

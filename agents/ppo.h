@@ -2,12 +2,14 @@
 // estimation (Schulman et al., ICLR 2016) over a batch of environments.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "agents/flat_adam.h"
 #include "agents/networks.h"
 #include "agents/ppo_config.h"
+#include "agents/return_scaler.h"
 #include "agents/trainer.h"
 
 namespace sandwright {
@@ -27,6 +29,7 @@ Advantages EstimateAdvantages(std::span<const float> reward, std::span<const flo
 struct PpoReport {
   double policy_loss = 0, value_loss = 0, entropy = 0, approx_kl = 0, clip_fraction = 0;
   double explained_variance = 0, gradient_norm = 0, learning_rate = 0, clip_range = 0;
+  double advantage_deviation = 0, advantage_floor = 0;  // before normalising; and its least divisor
   double rollout_s = 0, update_s = 0;
   int64_t epochs = 0;                    // started, fewer than asked where target_kl stopped them
   std::vector<EpisodeSummary> finished;  // episodes that ended in the rollout
@@ -55,10 +58,13 @@ class Ppo final : public Trainer {
     ObservationTensors observation;         // [T * N, ...]
     torch::Tensor action, log_prob, value;  // [T * N, A], [T * N], [T * N]
     torch::Tensor advantage, value_target;  // [T * N]
+
+    // What `choose` makes of every tensor.
+    Rollout Map(const std::function<torch::Tensor(const torch::Tensor&)>& choose) const;
   };
   Rollout Collect(PpoReport& report);
-  // One gradient step on the rows `index` of the rollout; returns the KL estimate.
-  double Step(const Rollout& rollout, const torch::Tensor& index, PpoReport& report);
+  // One gradient step on a minibatch; returns the KL estimate.
+  double Step(const Rollout& rows, PpoReport& report);
   torch::Tensor Permutation(int64_t count);
   // What a schedule leaves of its first value after the steps so far.
   double ShareLeft(const std::string& schedule) const;
@@ -72,6 +78,7 @@ class Ppo final : public Trainer {
   FlatAdam optimizer_;
   std::vector<RandomStream> action_streams_;  // one an environment
   RandomStream shuffle_stream_;
+  ReturnScaler return_scaler_;
   ObservationBatch observation_;
 };
 

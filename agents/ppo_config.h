@@ -19,6 +19,8 @@ struct PpoConfig {
   double entropy_coefficient = 0.003, value_coefficient = 0.5;
   double max_gradient_norm = 0.5;
   double target_kl = 0.03;
+  bool scale_rewards = false;
+  double advantage_floor = 0.01;
 
   void Fields(FieldList& f) {
     f.Add("num_steps", num_steps, "steps of each environment in a rollout", 1, 1e6);
@@ -40,6 +42,12 @@ struct PpoConfig {
     f.Add("max_gradient_norm", max_gradient_norm, "gradients are scaled to at most this norm", 0,
           1e6);
     f.Add("target_kl", target_kl, "an update stops where the policy moved 1.5 times this; 0: never",
+          0, 10);
+    f.Add("scale_rewards", scale_rewards,
+          "divide rewards by the running deviation of their discounted sum");
+    f.Add("advantage_floor", advantage_floor,
+          "advantages of a lesser deviation are not enlarged to 1: share of the running deviation of "
+          "the rewards' discounted sum",
           0, 10);
   }
 };

@@ -35,10 +35,10 @@ class PlotCommand final : public Command {
       chart.series.push_back({.name = fmt::format("{} ({} seeds)", name, curve.runs),
                               .x = curve.steps,
                               .y = curve.iqm,
-                              .colour = kColours[chart.series.size() % std::size(kColours)],
-                              .markers = false,
                               .low = curve.low95,
-                              .high = curve.high95});
+                              .high = curve.high95,
+                              .colour = kColours[chart.series.size() % std::size(kColours)],
+                              .markers = false});
       curves.push_back({{"name", name},
                         {"runs", curve.runs},
                         {"steps", curve.steps},

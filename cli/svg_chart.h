@@ -9,10 +9,10 @@ namespace sandwright {
 
 struct ChartSeries {
   std::string name;
-  std::vector<double> x = {}, y = {};  // a NaN in x: the line ends here and begins anew
-  std::string colour = {};             // any CSS colour
+  std::vector<double> x = {}, y = {};       // a NaN in x: the line ends here and begins anew
+  std::vector<double> low = {}, high = {};  // of a band around y at each x; empty: none
+  std::string colour = {};                  // any CSS colour
   bool markers = true;
-  std::vector<double> low = {}, high = {};  // a band around the line; empty: none
 };
 
 struct Chart {

@@ -77,6 +77,31 @@ TEST(Ppo, TruncationBootstrapsTheFinalObservation) {
   EXPECT_NEAR(value, 1.0 / (1.0 - 0.8), 0.1);
 }
 
+// How far the policy moves in the second half of learning a task in which all actions are worth the
+// same, and the critic soon knows it.
+double IdleDrift(double advantage_floor) {
+  torch::set_num_threads(1);
+  EndlessReward env;
+  RandomStream stream(1);
+  ActorCritic network(env.observation_spec(), 1, {.hidden = 16}, stream);
+  Ppo ppo(env, network,
+          {.num_steps = 32, .minibatch_size = 64, .gamma = 0.8, .learning_rate = 0.01,
+           .entropy_coefficient = 0, .target_kl = 0, .advantage_floor = advantage_floor},
+          240 * 64, 1, torch::kCPU);
+  const auto mean = [&] { return network.Mean({{}, torch::ones({1, 1})}).item<double>(); };
+  double drift = 0;
+  for (int update = 0; update < 240; ++update) {
+    const double before = mean();
+    ppo.Update();
+    if (update >= 120) drift += std::abs(mean() - before);
+  }
+  return drift;
+}
+
+TEST(Ppo, AdvantagesWithoutSpreadHardlyMoveThePolicy) {
+  EXPECT_LT(IdleDrift(PpoConfig{}.advantage_floor), 0.1 * IdleDrift(0));
+}
+
 TEST(FlatAdam, MatchesTorch) {
   torch::manual_seed(0);
   torch::nn::Linear ours(4, 3), theirs(4, 3);
@@ -103,11 +128,13 @@ TEST(FlatAdam, MatchesTorch) {
 }
 
 struct Trainee {
-  explicit Trainee(uint64_t seed, int64_t total_steps = 4096)
-      : env(8),
+  explicit Trainee(uint64_t seed, float reward_unit = 1)
+      : env(8, reward_unit),
         stream(seed),
         network(env.observation_spec(), 1, {.hidden = 16, .normalize = true}, stream),
-        ppo(env, network, {.num_steps = 16, .minibatch_size = 32}, total_steps, seed, torch::kCPU) {
+        ppo(env, network,
+            {.num_steps = 16, .minibatch_size = 32, .scale_rewards = true},
+            4096, seed, torch::kCPU) {
     torch::set_num_threads(1);
   }
   MoveToTarget env;
@@ -134,6 +161,13 @@ TEST(Ppo, ResumedEqualsUninterrupted) {
   for (int i = 0; i < 3; ++i) whole.ppo.Update(), resumed.ppo.Update();
   EXPECT_EQ(whole.ppo.steps(), resumed.ppo.steps());
   EXPECT_EQ(ParametersOf(whole.network), ParametersOf(resumed.network));
+}
+
+TEST(Ppo, ScaledRewardsHaveNoUnit) {
+  // A power of two, so that not even roundings differ.
+  Trainee metres(7), kibimetres(7, 1.0f / 1024);
+  for (int i = 0; i < 3; ++i) metres.ppo.Update(), kibimetres.ppo.Update();
+  EXPECT_EQ(ParametersOf(metres.network), ParametersOf(kibimetres.network));
 }
 
 TEST(Ppo, ForeignStateIsRefused) {

@@ -13,11 +13,15 @@ namespace sandwright {
 
 // A point on a line walks to a target: x += 0.25 a, reward = drop of the
 // distance, terminated within 0.05 of the target, truncated after 12 steps. The
-// best return is the first distance (to 0.05).
+// best return is the first distance (to 0.05). Rewards come times `reward_unit`.
 class MoveToTarget final : public VecEnv {
  public:
-  explicit MoveToTarget(int num_envs)
-      : x_(num_envs), target_(num_envs), step_(num_envs), start_(num_envs) {
+  explicit MoveToTarget(int num_envs, float reward_unit = 1)
+      : reward_unit_(reward_unit),
+        x_(num_envs),
+        target_(num_envs),
+        step_(num_envs),
+        start_(num_envs) {
     spec_.numbers = {"x", "target"};
   }
   int num_envs() const override { return static_cast<int>(x_.size()); }
@@ -37,7 +41,7 @@ class MoveToTarget final : public VecEnv {
       const float before = std::abs(x_[i] - target_[i]);
       x_[i] += 0.25f * action[i];
       const float after = std::abs(x_[i] - target_[i]);
-      out.reward.push_back(before - after);
+      out.reward.push_back(reward_unit_ * (before - after));
       out.terminated.push_back(after < 0.05f);
       out.truncated.push_back(!out.terminated[i] && ++step_[i] == 12);
       const bool ended = out.terminated[i] || out.truncated[i];
@@ -64,6 +68,7 @@ class MoveToTarget final : public VecEnv {
     out.vec.insert(out.vec.end(), {x_[i], target_[i]});
   }
 
+  float reward_unit_;
   ObservationSpec spec_;
   RandomStream stream_{0};
   std::vector<float> x_, target_;

@@ -4,6 +4,8 @@
 //   ladder OUT.json SEEDS RUNG...      a rung is a file of configs/ladder without its ending
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +13,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 
 #include "agents/train.h"
 #include "data/base/atomic_file.h"
@@ -20,6 +23,8 @@
 
 namespace sandwright {
 namespace {
+
+constexpr int64_t kCurvePoints = 50;
 
 // Deterministic policy, one training run each, +- over episodes: rl-baselines3-zoo, benchmark.md.
 // CleanRL's are means of three seeds of training returns: docs/benchmark, tag pr-424.
@@ -31,7 +36,12 @@ struct Published {
 };
 constexpr Published kPublished[] = {
     {"cart_pole_ppo", "rl-baselines3-zoo", 500.0, 0, 100000},
+    {"half_cheetah_ppo", "CleanRL", 1442.64, 46.03, 1000000},
+    {"half_cheetah_ppo", "rl-baselines3-zoo", 5819.099, 663.530, 1000000},
+    {"hopper_ppo", "CleanRL", 2382.86, 271.74, 1000000},
+    {"hopper_ppo", "rl-baselines3-zoo", 2410.435, 10.026, 1000000},
     {"acrobot_ppo", "rl-baselines3-zoo", -73.506, 18.2, 1000000},
+    {"acrobot_ppo", "CleanRL", -86.36, 1.32, 500000},
     {"pendulum_sac", "rl-baselines3-zoo", -156.995, 88.714, 20000},
     {"pendulum_tqc", "rl-baselines3-zoo", -151.3, {}, 20000},
     {"mountain_car_sac", "rl-baselines3-zoo", 94.679, 1.134, 50000},
@@ -49,6 +59,29 @@ void Summarise(nlohmann::json& row) {
   row["std_over_seeds"] = std::sqrt(std::max(0.0, squares / count - sum / count * (sum / count)));
 }
 
+// What episodes of training returned, by steps: kCurvePoints means over equal stretches, null where
+// none ended.
+nlohmann::json CurveOf(const std::filesystem::path& folder, int64_t total_steps) {
+  std::istringstream csv(ReadFile(folder / "progress.csv"));
+  std::array<double, kCurvePoints> sum{}, count{};
+  std::string line;
+  std::getline(csv, line);
+  SAND_CHECK(line.starts_with("time/total_timesteps,rollout/ep_rew_mean,"), line);
+  while (std::getline(csv, line)) {
+    double step = 0, mean_return = 0;
+    if (std::sscanf(line.c_str(), "%lf,%lf", &step, &mean_return) < 2) continue;
+    const auto stretch = std::min<int64_t>(
+        kCurvePoints - 1, static_cast<int64_t>(step) * kCurvePoints / total_steps);
+    sum[static_cast<size_t>(stretch)] += mean_return;
+    ++count[static_cast<size_t>(stretch)];
+  }
+  nlohmann::json curve = nlohmann::json::array();
+  for (size_t i = 0; i < sum.size(); ++i)
+    curve.push_back(count[i] > 0 ? nlohmann::json(std::round(10 * sum[i] / count[i]) / 10)
+                                 : nlohmann::json());
+  return curve;
+}
+
 // `keep` gets the row after each seed: a run takes minutes to hours.
 void Climb(const std::string& rung, int64_t seeds,
            const std::function<void(const nlohmann::json&)>& keep) {
@@ -59,11 +92,13 @@ void Climb(const std::string& rung, int64_t seeds,
                         {"algorithm", config.algorithm},
                         {"steps", config.total_steps},
                         {"evaluation_episodes", config.evaluation_tasks},
+                        {"command", fmt::format("ladder OUT.json {} {}", seeds, rung)},
                         {"commit", BuildCommit()}};
   for (const Published& p : kPublished) {
     if (rung != p.rung) continue;
-    row["published"] = {{"source", p.source}, {"mean", p.mean}, {"steps", p.steps}};
-    if (p.deviation) row["published"]["std"] = *p.deviation;
+    nlohmann::json published = {{"source", p.source}, {"mean", p.mean}, {"steps", p.steps}};
+    if (p.deviation) published["std"] = *p.deviation;
+    row["published"].push_back(published);
   }
   for (int64_t seed = 1; seed <= seeds; ++seed) {
     const auto folder = std::filesystem::temp_directory_path() / fmt::format("{}_{}", rung, seed);
@@ -72,7 +107,9 @@ void Climb(const std::string& rung, int64_t seeds,
     row["seeds"].push_back({{"seed", seed},
                             {"mean_reward", run.at("mean_reward")},
                             {"std_reward", run.at("std_reward")},
-                            {"seconds", run.at("seconds")}});
+                            {"seconds", run.at("seconds")},
+                            {"evaluation_seconds", run.at("evaluation_seconds")},
+                            {"curve", CurveOf(folder, config.total_steps)}});
     fmt::print("{} seed {}: {:.1f} +- {:.1f} in {:.0f} s\n", rung, seed,
                run.at("mean_reward").get<double>(), run.at("std_reward").get<double>(),
                run.at("seconds").get<double>());
