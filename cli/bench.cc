@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "agents/agent_bench.h"
 #include "cli/command.h"
 #include "cli/svg_chart.h"
 #include "data/base/atomic_file.h"
@@ -24,16 +25,19 @@ std::string Cell(const std::optional<double>& value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : "-";
 }
 
+constexpr const char* kColours[] = {"#888888", "#1f6fb2", "#c8501e", "#2a8a4a",
+                                    "#7a4fb0", "#b5892b", "#d0548f", "#222222"};
+
 class BenchCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
     app.add_option(
            "--suite", suites_,
-           "what to measure, one or several: sand; env (the shaping environment, then reference); "
+           "what to measure, one or several: sand; agents (on --tasks); env (the shaping environment, then reference); "
            "reference (Gymnasium's tasks); grains (a check of "
            "the grains, slow) and coarse (coarser grains on --data, slow), which need LAMMPS; hard (random strokes); surrogate "
            "(rollouts of --model on the worst beds); all")
-        ->check(CLI::IsMember({"sand", "env", "reference", "grains", "coarse", "hard", "surrogate", "all"}))
+        ->check(CLI::IsMember({"sand", "agents", "env", "reference", "grains", "coarse", "hard", "surrogate", "all"}))
         ->capture_default_str();
     app.add_option("--data", data_, "stroke files or folders: errors on recorded strokes too");
     app.add_option("--strokes", strokes_,
@@ -43,7 +47,15 @@ class BenchCommand final : public Command {
     app.add_option("--model", bench_.models,
                    "models, one or several: scored on --data by suite sand; of suite surrogate")
         ->capture_default_str();
-    app.add_option("--picture", picture_, "speed against error on --data (.svg)");
+    app.add_option("--tasks", tasks_file_, "task file of suite agents");
+    app.add_option("--agents", agents_.agents,
+                   "agents, one or several, compared with the first; NAME@N: planner NAME with N model "
+                   "evaluations a stroke")
+        ->capture_default_str();
+    app.add_option("--world", world_,
+                   "sand model that the agents plan with and that executes their strokes")
+        ->capture_default_str();
+    app.add_option("--picture", picture_, "speed against error on --data, or of --agents (.svg)");
     app.add_option("--with", earlier_,
                    "results of earlier runs (.json): their rows on recorded strokes join the "
                    "picture and the result, for what is slow to measure")
@@ -53,12 +65,15 @@ class BenchCommand final : public Command {
   void Fields(FieldList& f) override {
     f.Section("heightfield", bench_.heightfield);
     f.Section("dem", bench_.dem);
+    f.Section("episode", agents_.episode);
+    planners_.Fields(f);
   }
 
   int Run() override {
     bench_.threads = threads();
     if (!data_.empty()) bench_.data = FindStrokeFiles(data_);
     if (Wants("sand")) RunSand();
+    if (Wants("agents") && (!tasks_file_.empty() || !Wants("all"))) RunAgents();
     if (Wants("env")) RunEnv();
     if (Wants("env") || Wants("reference")) RunReference();
     if (Wants("coarse")) RunCoarse();
@@ -68,7 +83,9 @@ class BenchCommand final : public Command {
       for (const std::string& model : bench_.models) RunSurrogate(model);
     }
     for (const std::string& file : earlier_) TakeRows(file);
-    if (!picture_.empty()) WriteFileAtomically(picture_, DrawChartFile(SpeedAgainstError()));
+    if (!picture_.empty())
+      WriteFileAtomically(picture_, DrawChartFile(agents_chart_.series.empty() ? SpeedAgainstError()
+                                                                               : agents_chart_));
     WriteResult({{"rows", rows_}});
     return 0;
   }
@@ -101,6 +118,38 @@ class BenchCommand final : public Command {
   void RunReference() {
     constexpr double kSeconds = 2;
     RunReferenceBench(kSeconds, [this](const nlohmann::json& row) { Show("reference", row); });
+  }
+
+  void RunAgents() {
+    if (tasks_file_.empty()) throw Error("suite agents needs --tasks FILE");
+    agents_.tasks = ReadTasks(tasks_file_);
+    agents_.seed = seed();
+    const auto sand = LoadSandModel(world_, Sand());
+    const AgentOptions options{*sand, planners_, agents_.episode.speed_mps, "cpu", nullptr};
+    agents_chart_ = {.x_label = "choosing a stroke [ms]",
+                     .y_label = "goal error after 10 strokes [mm]",
+                     .logarithmic_x = true,
+                     .width_px = 760};
+    fmt::print("{:20} {:>8} {:>9} {:>22} {:>22} {:>22}  above {} after 10\n", "agent", "calls", "ms",
+               "mm after 5", "after 10", "after 20", agents_.agents.front());
+    RunAgentBench(agents_, options, {*sand, nullptr, threads()}, [this](const AgentBenchRow& row) {
+      const auto cell = [](const MeanOverTasks& m) {
+        return fmt::format("{:.2f} [{:.2f}, {:.2f}]", m.mean, m.low95, m.high95);
+      };
+      fmt::print("{:20} {:8.0f} {:9.2f} {:>22} {:>22} {:>22}  {}\n", row.agent,
+                 row.model_evaluations_per_stroke, row.ms_per_stroke, cell(row.error_mm[0]),
+                 cell(row.error_mm[1]), cell(row.error_mm[2]), cell(row.above_first_mm[1]));
+      std::fflush(stdout);
+      const size_t colour = agents_chart_.series.size() % std::size(kColours);
+      agents_chart_.series.push_back({.name = row.agent,
+                                      .x = {std::max(row.ms_per_stroke, 1e-3)},
+                                      .y = {row.error_mm[1].mean},
+                                      .colour = kColours[colour]});
+      nlohmann::json json = row.ToJson();
+      json["world"] = world_;
+      json["tasks"] = agents_.tasks.size();
+      Keep("agents", std::move(json));
+    });
   }
 
   void Show(const char* suite, const nlohmann::json& row) {
@@ -183,14 +232,12 @@ class BenchCommand final : public Command {
                 .reference_name = "what two packings of the same bed leave open",
                 .logarithmic_x = true,
                 .width_px = 760};
-    const char* colours[] = {"#888888", "#1f6fb2", "#c8501e", "#2a8a4a",
-                             "#7a4fb0", "#b5892b", "#d0548f", "#222222"};
     for (const SandBenchRow& row : strokes_rows_) {
       const std::string name = row.name.substr(row.name.find(": ") + 2);
       auto series = std::ranges::find(chart.series, name, &ChartSeries::name);
       if (series == chart.series.end()) {
-        const size_t colour = chart.series.size() % std::size(colours);
-        chart.series.push_back({.name = name, .colour = colours[colour]});
+        const size_t colour = chart.series.size() % std::size(kColours);
+        chart.series.push_back({.name = name, .colour = kColours[colour]});
         series = chart.series.end() - 1;
       }
       series->x.push_back(row.ms_per_stroke);
@@ -256,6 +303,10 @@ class BenchCommand final : public Command {
   std::optional<double> floor_mm_;
   std::vector<SandBenchRow> strokes_rows_;
   SandBench bench_;
+  std::string tasks_file_, world_ = "heightfield";
+  AgentBench agents_;
+  PlannerConfigs planners_;
+  Chart agents_chart_;
   nlohmann::json rows_ = nlohmann::json::array();
 };
 
