@@ -13,65 +13,55 @@ constexpr const char* kRows = "advice";
 constexpr const char* kNext = "advice.next";
 }  // namespace
 
-AdviceBuffer::AdviceBuffer(const ObservationSpec& spec, int64_t strokes, int64_t capacity)
-    : spec_(spec), strokes_(strokes), capacity_(capacity) {
-  SAND_CHECK(strokes > 0 && capacity > 0, strokes, capacity);
+AdviceBuffer::AdviceBuffer(const ObservationSpec& spec, int64_t keep, int64_t capacity)
+    : spec_(spec), keep_(keep), capacity_(capacity) {
+  SAND_CHECK(keep > 0 && capacity > 0, keep, capacity);
 }
 
 int64_t AdviceBuffer::row_size() const {
-  return spec_.map_size() + spec_.vec_size() + strokes_ * (kActionSize + 2);
+  return spec_.map_size() + spec_.vec_size() + keep_ * (kActionSize + 1);
 }
 
 void AdviceBuffer::Add(std::span<const float> map, std::span<const float> vec,
-                       std::span<const TriedStroke> tried) {
-  double total = 0, sum = 0;
-  for (const TriedStroke& stroke : tried) total += stroke.weight;
-  SAND_CHECK(total > 0 && std::ssize(tried) <= strokes_, total, tried.size());
+                       std::span<const Action> actions, std::span<const double> weights) {
+  SAND_CHECK(!actions.empty() && actions.size() == weights.size() &&
+                 static_cast<int64_t>(actions.size()) <= keep_,
+             actions.size(), weights.size());
   if (size() < capacity_) values_.resize(values_.size() + static_cast<size_t>(row_size()));
   const auto row = values_.begin() + next_ * row_size();
-  auto action = std::ranges::copy(vec, std::ranges::copy(map, row).out).out;
-  const auto rewards = row + row_size() - 2 * strokes_, shares = rewards + strokes_;
-  for (int64_t k = 0; k < strokes_; ++k) {
-    const bool repeated = k >= std::ssize(tried);
-    const TriedStroke& stroke = repeated ? tried.back() : tried[static_cast<size_t>(k)];
-    if (!repeated) sum += stroke.weight;
-    action = std::ranges::copy(stroke.action, action).out;
-    rewards[k] = static_cast<float>(stroke.reward);
+  auto out = std::ranges::copy(map, row).out;
+  out = std::ranges::copy(vec, out).out;
+  for (const Action& action : actions) out = std::ranges::copy(action, out).out;
+  const auto shares = row + row_size() - keep_;
+  std::fill(out, shares, 0.0f);
+  double total = 0, sum = 0;
+  for (const double weight : weights) total += weight;
+  for (int64_t k = 0; k < keep_; ++k) {
+    if (k < std::ssize(weights)) sum += weights[static_cast<size_t>(k)];
     shares[k] = static_cast<float>(sum / total);
   }
   next_ = (next_ + 1) % capacity_;
 }
 
-AdviceBuffer::Examples AdviceBuffer::Sample(int64_t count, int64_t tried,
-                                            RandomStream& stream) const {
+AdviceBuffer::Examples AdviceBuffer::Sample(int64_t count, RandomStream& stream) const {
   SAND_CHECK(!values_.empty());
-  Examples out{{torch::empty({count, std::ssize(spec_.channels), spec_.rows, spec_.columns}),
-                torch::empty({count, spec_.vec_size()})},
-               torch::empty({count, kActionSize}),
-               torch::empty({count * tried, kActionSize}),
-               torch::empty({count * tried})};
-  const auto copy = [](const float* from, int64_t size, torch::Tensor& to, int64_t row) {
-    std::copy_n(from, size, to.data_ptr<float>() + row * size);
-  };
+  auto map = torch::empty({count, std::ssize(spec_.channels), spec_.rows, spec_.columns}),
+       vec = torch::empty({count, spec_.vec_size()}), action = torch::empty({count, kActionSize});
   for (int64_t i = 0; i < count; ++i) {
     const float* row = values_.data() +
                        static_cast<int64_t>(stream.Index(static_cast<uint64_t>(size()))) * row_size();
     const float* const actions = row + spec_.map_size() + spec_.vec_size();
-    const float* const rewards = row + row_size() - 2 * strokes_;
-    const float* const shares = rewards + strokes_;
+    const float* const shares = row + row_size() - keep_;
     const auto chosen = std::min<int64_t>(
-        std::upper_bound(shares, shares + strokes_, static_cast<float>(stream.Uniform())) - shares,
-        strokes_ - 1);
-    copy(row, spec_.map_size(), out.observation.map, i);
-    copy(row + spec_.map_size(), spec_.vec_size(), out.observation.vec, i);
-    copy(actions + chosen * kActionSize, kActionSize, out.action, i);
-    for (int64_t k = 0; k < tried; ++k) {
-      const auto drawn = static_cast<int64_t>(stream.Index(static_cast<uint64_t>(strokes_)));
-      copy(actions + drawn * kActionSize, kActionSize, out.tried, i * tried + k);
-      copy(rewards + drawn, 1, out.reward, i * tried + k);
-    }
+        std::upper_bound(shares, shares + keep_, static_cast<float>(stream.Uniform())) - shares,
+        keep_ - 1);
+    std::copy_n(row, spec_.map_size(), map.data_ptr<float>() + i * spec_.map_size());
+    std::copy_n(row + spec_.map_size(), spec_.vec_size(),
+                vec.data_ptr<float>() + i * spec_.vec_size());
+    std::copy_n(actions + chosen * kActionSize, kActionSize,
+                action.data_ptr<float>() + i * kActionSize);
   }
-  return out;
+  return {{map, vec}, action};
 }
 
 void AdviceBuffer::Save(Safetensors& content) const {

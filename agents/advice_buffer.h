@@ -1,4 +1,4 @@
-// The newest states that an expert was asked about, with strokes that it tried.
+// The newest states that an expert was asked about, with its best strokes.
 #pragma once
 
 #include <span>
@@ -10,31 +10,24 @@
 
 namespace sandwright {
 
-// A stroke that was tried: its reward, and how much it is to be learnt (0: not at all).
-struct TriedStroke {
-  Action action{};
-  double reward = 0, weight = 0;
-};
-
 class AdviceBuffer {
  public:
   struct Examples {
     ObservationTensors observation;  // [B, ...]
-    torch::Tensor action;            // [B, 7]: one stroke a state, drawn by weight
-    torch::Tensor tried, reward;     // [B * M, 7], [B * M]: M strokes a state, each as likely
+    torch::Tensor action;            // [B, 7]
   };
 
-  // `strokes` a state. Memory grows until `capacity` states are there; then the oldest is
+  // `keep` strokes a state. Memory grows until `capacity` states are there; then the oldest is
   // overwritten.
-  AdviceBuffer(const ObservationSpec& spec, int64_t strokes, int64_t capacity);
+  AdviceBuffer(const ObservationSpec& spec, int64_t keep, int64_t capacity);
 
-  // `map` and `vec` of one observation; 1 to `strokes` strokes, one of positive weight among them.
-  void Add(std::span<const float> map, std::span<const float> vec,
-           std::span<const TriedStroke> tried);
+  // `map` and `vec` of one observation; 1 to `keep` strokes with their positive weights.
+  void Add(std::span<const float> map, std::span<const float> vec, std::span<const Action> actions,
+           std::span<const double> weights);
   int64_t size() const { return static_cast<int64_t>(values_.size()) / row_size(); }
 
-  // Independent draws of states, with `tried` strokes of each; size() > 0.
-  Examples Sample(int64_t count, int64_t tried, RandomStream& stream) const;
+  // Independent draws, each state with one of its strokes, drawn by weight; size() > 0.
+  Examples Sample(int64_t count, RandomStream& stream) const;
 
   void Save(Safetensors& content) const;
   // Throws Error naming `source` where the rows are of another size or more than the capacity.
@@ -44,11 +37,9 @@ class AdviceBuffer {
   int64_t row_size() const;
 
   ObservationSpec spec_;
-  int64_t strokes_, capacity_;
+  int64_t keep_, capacity_;
   int64_t next_ = 0;           // row that is written next
-  // [size, row_size]: map, vec, actions, rewards, sums of the weights' shares up to each stroke; a
-  // state of fewer strokes has its last one several times.
-  std::vector<float> values_;
+  std::vector<float> values_;  // [size, row_size]: map, vec, strokes, the sums of their shares so far
 };
 
 }  // namespace sandwright

@@ -17,17 +17,11 @@ namespace sandwright {
 namespace {
 
 constexpr double kAdamEpsilon = 1e-8;
-constexpr int64_t kJudgedPerState = 4;  // strokes of a state that the judgement learns from at once
 constexpr double kSurplusShare = 0.8;  // of the strokes that are not the policy's
 
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Accepted ones (weight 1) before refused ones, then by reward.
-bool IsBetter(const TriedStroke& a, const TriedStroke& b) {
-  return a.weight != b.weight ? a.weight > b.weight : a.reward > b.reward;
 }
 
 std::vector<float> Values(const std::vector<Action>& actions) {
@@ -59,7 +53,7 @@ ExpertIteration::ExpertIteration(ShapingEnv& env, const World& world, const Epis
       device_(device),
       optimizer_((network.to(device), network.parameters()), kAdamEpsilon),
       shuffle_stream_(seed, StreamId("expert shuffle")),
-      buffer_(env.observation_spec(), 2 * config.keep, config.buffer_size) {
+      buffer_(env.observation_spec(), config.keep, config.buffer_size) {
   for (int i = 0; i < env.num_envs(); ++i)
     streams_.emplace_back(seed, StreamId("expert"), static_cast<uint64_t>(i));
   RestartEpisodes();
@@ -70,8 +64,8 @@ void ExpertIteration::RestartEpisodes() {
       RandomStream(seed_, StreamId("training episodes"), static_cast<uint64_t>(steps_)).Next64());
 }
 
-std::vector<TriedStroke> ExpertIteration::Try(const EpisodeState& state,
-                                              std::span<const Action> candidates) {
+void ExpertIteration::Try(const EpisodeState& state, std::span<const Action> candidates,
+                          Advice& advice) {
   const HeightMap& sensed = state.sensed.map();
   std::vector<SandState> after(candidates.size(), state.sand);
   std::vector<Stroke> strokes;
@@ -79,45 +73,42 @@ std::vector<TriedStroke> ExpertIteration::Try(const EpisodeState& state,
     strokes.push_back(
         DecodeAction(action, sensed, state.region, world_.sand.blade(), episode_.speed_mps));
   world_.sand.Apply(after, strokes);
-  std::vector<TriedStroke> tried;
-  for (size_t i = 0; i < candidates.size(); ++i) {
-    const bool accepted =
-        !world_.gate || world_.gate->Check(strokes[i], sensed, GateSampling::kCoarse).accepted;
-    const Reward reward = accepted ? StrokeReward(episode_.reward, state.sand.map(),
-                                                  after[i].map(), state.task->goal)
-                                   : RejectedReward(episode_.reward);
-    tried.push_back({candidates[i], reward.total(), accepted ? 1.0 : 0.0});
+  std::vector<double> reward;
+  for (const SandState& end : after)
+    reward.push_back(
+        StrokeReward(episode_.reward, state.sand.map(), end.map(), state.task->goal).total());
+  std::vector<size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::ranges::stable_sort(order, std::greater{}, [&](size_t i) { return reward[i]; });
+  for (const size_t i : order) {  // best first, so that few meet the gate
+    const bool full = std::ssize(advice.reward) == config_.keep;
+    if (full && reward[i] <= advice.reward.back()) break;
+    if (world_.gate && !world_.gate->Check(strokes[i], sensed, GateSampling::kCoarse).accepted)
+      continue;
+    if (full) advice.reward.pop_back(), advice.action.pop_back();
+    const auto at = std::ranges::upper_bound(advice.reward, reward[i], std::greater{}) -
+                    advice.reward.begin();
+    advice.reward.insert(advice.reward.begin() + at, reward[i]);
+    advice.action.insert(advice.action.begin() + at, candidates[i]);
   }
-  std::ranges::stable_sort(tried, IsBetter);
-  return tried;
 }
 
-std::vector<TriedStroke> ExpertIteration::Ask(const EpisodeState& state,
-                                              std::span<const Action> from_policy,
-                                              RandomStream& stream) {
+ExpertIteration::Advice ExpertIteration::Ask(const EpisodeState& state,
+                                             std::span<const Action> from_policy,
+                                             RandomStream& stream) {
   const auto refined = static_cast<size_t>(config_.refine_share *
                                            static_cast<double>(config_.evaluations));
   std::vector<Action> candidates(from_policy.begin(), from_policy.end());
   const StrokeProposal proposal(View(state), kSurplusShare);
   while (candidates.size() + refined < static_cast<size_t>(config_.evaluations))
     candidates.push_back(proposal.Draw(stream));
-  const std::vector<TriedStroke> first = Try(state, candidates);
-  if (first.front().weight == 0) return {};
+  Advice advice;
+  Try(state, candidates, advice);
+  if (advice.action.empty()) return advice;
   candidates.clear();
-  while (candidates.size() < refined) candidates.push_back(ActionNear(first.front().action, stream));
-  const std::vector<TriedStroke> near = Try(state, candidates);
-  std::vector<TriedStroke> all;
-  std::ranges::merge(first, near, std::back_inserter(all), IsBetter);
-  const auto keep = static_cast<size_t>(config_.keep);
-  const double best = all.front().reward;
-  for (size_t i = 0; i < all.size(); ++i)
-    all[i].weight = i < keep && all[i].weight > 0
-                        ? std::exp((all[i].reward - best) / config_.temperature)
-                        : 0.0;
-  for (size_t i = keep; i < std::min(2 * keep, all.size()); ++i)
-    std::swap(all[i], all[i + stream.Index(all.size() - i)]);
-  all.resize(std::min(2 * keep, all.size()));
-  return all;
+  while (candidates.size() < refined) candidates.push_back(ActionNear(advice.action.front(), stream));
+  Try(state, candidates, advice);
+  return advice;
 }
 
 std::map<std::string, double> ExpertIteration::Advance() {
@@ -137,13 +128,17 @@ std::map<std::string, double> ExpertIteration::Advance() {
     for (size_t i = 0; i < chosen.size(); ++i) {
       const auto own = std::span(drawn).subspan(i * static_cast<size_t>(from_policy),
                                                 static_cast<size_t>(from_policy));
-      const std::vector<TriedStroke> tried = Ask(env_.episodes()[i], own, streams_[i]);
-      if (tried.empty()) continue;
+      const Advice advice = Ask(env_.episodes()[i], own, streams_[i]);
+      if (advice.action.empty()) continue;
+      std::vector<double> weights;
+      for (const double reward : advice.reward)
+        weights.push_back(std::exp((reward - advice.reward.front()) / config_.temperature));
       buffer_.Add(std::span(observation_.map).subspan(i * map_size, map_size),
-                  std::span(observation_.vec).subspan(i * vec_size, vec_size), tried);
-      best_reward += tried.front().reward;
+                  std::span(observation_.vec).subspan(i * vec_size, vec_size), advice.action,
+                  weights);
+      best_reward += advice.reward.front();
       ++asked;
-      if (streams_[i].Uniform() < config_.expert_share) chosen[i] = tried.front().action;
+      if (streams_[i].Uniform() < config_.expert_share) chosen[i] = advice.action.front();
     }
     StepBatch step = env_.Step(Values(chosen));
     CheckFinite(step);
@@ -166,8 +161,7 @@ std::map<std::string, double> ExpertIteration::Advance() {
 }
 
 double ExpertIteration::Learn() {
-  AdviceBuffer::Examples examples =
-      buffer_.Sample(config_.minibatch_size, kJudgedPerState, shuffle_stream_);
+  AdviceBuffer::Examples examples = buffer_.Sample(config_.minibatch_size, shuffle_stream_);
   if (config_.symmetry) {
     const ObservationSpec& spec = env_.observation_spec();
     const Region& region = env_.episodes()[0].region;
@@ -176,14 +170,11 @@ double ExpertIteration::Learn() {
         shuffle_stream_.Index(square ? kSymmetriesOfSquare : kSymmetriesOfRectangle));
     examples.observation.map = Transformed(examples.observation.map, symmetry);
     examples.action = TransformedAction(examples.action, symmetry);
-    examples.tried = TransformedAction(examples.tried, symmetry);
   }
-  const ActorCritic::Lesson lesson = network_.Study(
+  const auto terms = network_.Evaluate(
       {examples.observation.map.to(device_), examples.observation.vec.to(device_)},
-      examples.action.to(device_), examples.tried.to(device_));
-  auto loss = -lesson.log_prob.mean();
-  if (lesson.worth.defined())
-    loss = loss + torch::smooth_l1_loss(lesson.worth, examples.reward.to(device_));
+      examples.action.to(device_));
+  const auto loss = -terms.log_prob.mean();
   optimizer_.ZeroGradients();
   loss.backward();
   const double norm = optimizer_.ClipGradients(config_.max_gradient_norm);

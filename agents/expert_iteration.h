@@ -32,13 +32,15 @@ class ExpertIteration final : public Trainer {
   const torch::nn::Module& network() const override { return network_; }
 
  private:
-  // Strokes tried in one state: the config.keep best that the gate accepts, weighted, best first; then
-  // as many of the others. Empty where none is accepted.
-  std::vector<TriedStroke> Ask(const EpisodeState& state, std::span<const Action> from_policy,
-                               RandomStream& stream);
-  // The rewards of `candidates` and weight 1, the best first; behind them those that the gate refuses,
-  // with weight 0.
-  std::vector<TriedStroke> Try(const EpisodeState& state, std::span<const Action> candidates);
+  // The best strokes of one state, best first, with what they are worth; those that the gate refuses
+  // are not among them.
+  struct Advice {
+    std::vector<Action> action;
+    std::vector<double> reward;
+  };
+  Advice Ask(const EpisodeState& state, std::span<const Action> from_policy, RandomStream& stream);
+  // Tries `candidates` and puts them into `advice`.
+  void Try(const EpisodeState& state, std::span<const Action> candidates, Advice& advice);
   double Learn();  // one gradient step; returns the loss
 
   ShapingEnv& env_;

@@ -11,7 +11,6 @@ struct NetworkConfig {
   int64_t channels = 16;  // of the finest features
   int64_t hidden = 64;
   int64_t headings = 16;
-  int64_t judged = 1;
   bool normalize = false;
   double surplus_first = 0;
   std::vector<double> first_guess;
@@ -21,10 +20,6 @@ struct NetworkConfig {
           256);
     f.Add("hidden", hidden, "width of the fully connected layers", 1, 4096);
     f.Add("headings", headings, "directions of travel that the policy tells apart", 1, 64);
-    f.Add("judged", judged,
-          "most probable bins that the deterministic policy judges itself, to take the best; 1: it "
-          "takes the most probable",
-          1, 4096);
     f.Add("normalize", normalize,
           "bring the observation's numbers to mean 0 and variance 1, as seen in training");
     f.Add(

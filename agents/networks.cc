@@ -90,8 +90,7 @@ torch::Device SelectDevice(const std::string& name) {
 
 ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const NetworkConfig& config,
                          RandomStream& stream, int choices)
-    : has_map_(spec.map_size() > 0), action_size_(action_size), choices_(choices),
-      judged_(config.judged) {
+    : has_map_(spec.map_size() > 0), action_size_(action_size), choices_(choices) {
   SAND_CHECK(choices == 0 || (!has_map_ && action_size == 1), choices, action_size);
   const int64_t width = config.channels, hidden = config.hidden;
   int64_t whole_inputs = spec.vec_size(), rest_inputs = hidden;
@@ -128,15 +127,7 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
   if (!has_map_) value_in_ = register_module("value_in", nn::Linear(whole_inputs, hidden));
   value_hidden_ = register_module("value_hidden", nn::Linear(hidden, hidden));
   value_head_ = register_module("value_head", nn::Linear(hidden, 1));
-  if (judged_ > 1) {
-    if (!has_map_) throw Error("network.judged: this task has no map; allowed: 1");
-    judge_in_ = register_module("judge_in", nn::Linear(rest_inputs + action_size, hidden));
-    judge_hidden_ = register_module("judge_hidden", nn::Linear(hidden, hidden));
-    judge_head_ = register_module("judge_head", nn::Linear(hidden, 1));
-    Initialise(judge_head_, 1.0, stream);
-  }
-  for (auto* layer : {&whole_in_, &whole_out_, &rest_hidden_, &judge_in_, &judge_hidden_, &value_in_,
-                      &value_hidden_})
+  for (auto* layer : {&whole_in_, &whole_out_, &rest_hidden_, &value_in_, &value_hidden_})
     if (*layer) Initialise(*layer, kHiddenGain, stream);
   Initialise(rest_head_, kPolicyGain, stream);
   Initialise(value_head_, 1.0, stream);
@@ -214,27 +205,14 @@ torch::Tensor ActorCritic::PlaceLogits(const Encoding& encoding, const torch::Te
   return (logits + place_skip_(pooled)).flatten(1);
 }
 
-torch::Tensor ActorCritic::FeaturesAt(const Encoding& encoding, const torch::Tensor& row,
-                                      const torch::Tensor& bin, const torch::Tensor& heading) {
-  const auto here =
-      encoding.places.flatten(2).transpose(1, 2).index({row, bin.remainder(grid_.cells())});
-  const auto heading_rad = heading * std::numbers::pi;
-  return torch::cat(
-      {here, encoding.whole.index_select(0, row), heading_rad.cos(), heading_rad.sin()}, 1);
-}
-
 BetaParameters ActorCritic::NumbersAt(const Encoding& encoding, const torch::Tensor& row,
                                       const torch::Tensor& bin) {
-  const auto input = FeaturesAt(encoding, row, bin, grid_.Centre(bin).narrow(1, 2, 1));
-  return BetaFromOutputs(rest_head_(torch::relu(rest_hidden_(input))));
-}
-
-torch::Tensor ActorCritic::WorthOf(const Encoding& encoding, const torch::Tensor& row,
-                                   const torch::Tensor& action) {
-  const auto bin = grid_.Bin(action.narrow(1, 0, PlaceGrid::kNumbers));
+  const auto here =
+      encoding.places.flatten(2).transpose(1, 2).index({row, bin.remainder(grid_.cells())});
+  const auto heading_rad = grid_.Centre(bin).narrow(1, 2, 1) * std::numbers::pi;
   const auto input = torch::cat(
-      {FeaturesAt(encoding, row, bin, action.narrow(1, 2, 1)), Offsets(action, bin)}, 1);
-  return judge_head_(torch::relu(judge_hidden_(torch::relu(judge_in_(input))))).squeeze(-1);
+      {here, encoding.whole.index_select(0, row), heading_rad.cos(), heading_rad.sin()}, 1);
+  return BetaFromOutputs(rest_head_(torch::relu(rest_hidden_(input))));
 }
 
 torch::Tensor ActorCritic::ValueOf(const Encoding& encoding) {
@@ -362,41 +340,12 @@ torch::Tensor ActorCritic::Mean(const ObservationTensors& observation) {
   if (choices_ > 0)
     return rest_head_(encoding.whole).argmax(-1, true).to(torch::kCPU, torch::kFloat32);
   if (!has_map_) return BetaMean(BetaFromOutputs(rest_head_(encoding.whole))).to(torch::kCPU);
-  const auto logits = PlaceLogits(encoding, observation.map);
-  const int64_t rows = logits.size(0), bins = std::min(judged_, logits.size(1));
-  const auto bin = std::get<1>(logits.topk(bins, -1)).flatten();
-  const auto row = torch::arange(rows, bin.device()).repeat_interleave(bins);
-  const auto mean = BetaMean(NumbersAt(encoding, row, bin));
-  const auto action =
-      torch::cat({grid_.Place(bin, mean.narrow(1, 0, PlaceGrid::kNumbers)),
-                  mean.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers)},
-                 1);
-  if (judged_ == 1) return action.to(torch::kCPU);
-  const auto best = WorthOf(encoding, row, action).view({rows, bins}).argmax(-1);
-  return action.view({rows, bins, action_size_})
-      .index({torch::arange(rows, best.device()), best})
+  const auto bin = PlaceLogits(encoding, observation.map).argmax(-1);
+  const auto mean = BetaMean(NumbersAt(encoding, torch::arange(bin.size(0), bin.device()), bin));
+  return torch::cat({grid_.Place(bin, mean.narrow(1, 0, PlaceGrid::kNumbers)),
+                     mean.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers)},
+                    1)
       .to(torch::kCPU);
-}
-
-torch::Tensor ActorCritic::LogProbOf(const Encoding& encoding, const torch::Tensor& logits,
-                                     const torch::Tensor& action) {
-  const auto bin = grid_.Bin(action.narrow(1, 0, PlaceGrid::kNumbers));
-  const BetaParameters numbers = NumbersAt(encoding, torch::arange(bin.size(0), bin.device()), bin);
-  return CategoricalLogProb(logits, bin) + BetaLogProb(numbers, Offsets(action, bin)) +
-         grid_.LogDensityOfOffset();
-}
-
-ActorCritic::Lesson ActorCritic::Study(const ObservationTensors& observation,
-                                       const torch::Tensor& action, const torch::Tensor& tried) {
-  SAND_CHECK(has_map_ && tried.size(0) % action.size(0) == 0, tried.size(0), action.size(0));
-  const Encoding encoding = Encode(observation);
-  Lesson lesson{LogProbOf(encoding, PlaceLogits(encoding, observation.map), action), {}};
-  if (judged_ > 1) {
-    const int64_t rows = action.size(0);
-    const auto row = torch::arange(rows, tried.device()).repeat_interleave(tried.size(0) / rows);
-    lesson.worth = WorthOf(encoding, row, tried);
-  }
-  return lesson;
 }
 
 ActorCritic::Terms ActorCritic::Evaluate(const ObservationTensors& observation,

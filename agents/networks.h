@@ -38,9 +38,6 @@ class ActorCritic : public torch::nn::Module {
   struct Terms {
     torch::Tensor log_prob, entropy, value;  // [B]
   };
-  struct Lesson {
-    torch::Tensor log_prob, worth;  // [B], [B * M]
-  };
 
   // Orthogonal initial weights drawn from `stream`: the policy starts near uniform over places (or
   // choices), and the rest near config.first_guess. Error where that has another length than the
@@ -52,18 +49,13 @@ class ActorCritic : public torch::nn::Module {
   // without a map are computed without torch (plain_layers.h), to within 1e-6 of what it gives.
   Decision Sample(const ObservationTensors& observation, std::span<RandomStream> streams,
                   int draws = 1);
-  // The most probable bin (of the config.judged most probable ones that of the greatest worth) and the
-  // means of the numbers there, or the most probable choice: [B, A] on the CPU.
+  // The most probable bin and the means of the numbers there, or the most probable choice: [B, A] on
+  // the CPU.
   torch::Tensor Mean(const ObservationTensors& observation);
   torch::Tensor Value(const ObservationTensors& observation);
   // For the update: how probable `action` [B, A] is, with gradients. The entropy of the Beta part
   // is that at the given action's place, a one-sample estimate of its mean.
   Terms Evaluate(const ObservationTensors& observation, const torch::Tensor& action);
-  // With a map, for learning from an expert: how probable `action` [B, A] is, and what `tried`
-  // [B * M, A], M consecutive ones a row, are worth by the network's own judgement (config.judged > 1;
-  // undefined without), with gradients.
-  Lesson Study(const ObservationTensors& observation, const torch::Tensor& action,
-               const torch::Tensor& tried);
   // Where config.normalize asks for it: takes the observation's numbers into the running mean and
   // variance that everything above brings them to.
   void Observe(const ObservationTensors& observation);
@@ -84,27 +76,18 @@ class ActorCritic : public torch::nn::Module {
   Decision SampleChoice(const Encoding& encoding, std::span<RandomStream> streams);
   Decision SamplePlaces(const Encoding& encoding, const torch::Tensor& map,
                         std::span<RandomStream> streams, int draws);
-  // What heads read at `bin` [M] of the encoding's rows `row` [M] for `heading` [M, 1] in half turns.
-  torch::Tensor FeaturesAt(const Encoding& encoding, const torch::Tensor& row,
-                           const torch::Tensor& bin, const torch::Tensor& heading);
   // Of all numbers of the action, the first three within their bin, read at `bin` [M] of the
   // encoding's rows `row` [M].
   BetaParameters NumbersAt(const Encoding& encoding, const torch::Tensor& row,
                            const torch::Tensor& bin);
   // `action` [B, A] with its first three numbers within `bin` [B].
   torch::Tensor Offsets(const torch::Tensor& action, const torch::Tensor& bin) const;
-  torch::Tensor LogProbOf(const Encoding& encoding, const torch::Tensor& logits,
-                          const torch::Tensor& action);
-  // The reward [M] that `action` [M, A] brings in the encoding's rows `row` [M], one stroke ahead.
-  torch::Tensor WorthOf(const Encoding& encoding, const torch::Tensor& row,
-                        const torch::Tensor& action);
   // Sample without torch, of numbers [B, V] on the CPU.
   Decision SamplePlainly(const torch::Tensor& numbers, std::span<RandomStream> streams);
   torch::Tensor ValueOf(const Encoding& encoding);
 
   bool has_map_;
   int action_size_, choices_;
-  int64_t judged_;
   PlaceGrid grid_;
   torch::Tensor coordinates_;  // [1, 2, H, W]: x and y on [-1, 1]
   torch::nn::Conv2d fine_{nullptr}, middle_{nullptr}, coarse_{nullptr};
@@ -112,7 +95,6 @@ class ActorCritic : public torch::nn::Module {
   torch::nn::Conv2d place_head_{nullptr}, place_skip_{nullptr};
   torch::nn::Linear whole_in_{nullptr}, whole_out_{nullptr}, whole_mix_{nullptr};
   torch::nn::Linear rest_hidden_{nullptr}, rest_head_{nullptr};
-  torch::nn::Linear judge_in_{nullptr}, judge_hidden_{nullptr}, judge_head_{nullptr};
   torch::nn::Linear value_in_{nullptr}, value_hidden_{nullptr}, value_head_{nullptr};
   std::shared_ptr<ObservationNormalizer> normalizer_;
 };
