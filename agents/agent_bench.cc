@@ -40,7 +40,7 @@ std::string TakeBudget(const std::string& agent, PlannerConfigs& planners) {
   return name;
 }
 
-nlohmann::json ToJson(const std::array<MeanOverTasks, 3>& means) {
+nlohmann::json ByStrokes(const std::array<MeanOverTasks, 3>& means) {
   nlohmann::json json;
   for (size_t k = 0; k < means.size(); ++k)
     json[std::array{"5", "10", "20"}[k]] = {{"mean", means[k].mean},
@@ -67,8 +67,8 @@ nlohmann::json AgentBenchRow::ToJson() const {
   return {{"agent", agent},
           {"model_evaluations_per_stroke", model_evaluations_per_stroke},
           {"ms_per_stroke_agent", ms_per_stroke},
-          {"error_after_mm", sandwright::ToJson(error_mm)},
-          {"above_first_mm", sandwright::ToJson(above_first_mm)},
+          {"error_after_mm", ByStrokes(error_mm)},
+          {"above_first_mm", ByStrokes(above_first_mm)},
           {"per_task_error_after_5_10_20_mm", per_task_mm}};
 }
 
