@@ -93,6 +93,7 @@ void Climb(const std::string& rung, int64_t seeds,
                         {"steps", config.total_steps},
                         {"evaluation_episodes", config.evaluation_tasks},
                         {"command", fmt::format("ladder OUT.json {} {}", seeds, rung)},
+                        {"machine", MachineDescription()},
                         {"commit", BuildCommit()}};
   for (const Published& p : kPublished) {
     if (rung != p.rung) continue;
@@ -131,7 +132,6 @@ int Run(int argc, char** argv) {
   const std::filesystem::path out = argv[1];
   nlohmann::json result = {{"rows", nlohmann::json::array()}};
   if (std::filesystem::exists(out)) result = nlohmann::json::parse(ReadFile(out));
-  result["machine"] = MachineDescription();
   for (int i = 3; i < argc; ++i) {
     Climb(argv[i], seeds, [&](const nlohmann::json& fresh) {
       auto& rows = result["rows"].get_ref<nlohmann::json::array_t&>();
