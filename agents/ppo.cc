@@ -70,6 +70,10 @@ Advantages EstimateAdvantages(std::span<const float> reward, std::span<const flo
   return out;
 }
 
+torch::Tensor NormalizedAdvantages(const torch::Tensor& advantage, double floor) {
+  return (advantage - advantage.mean()) / (advantage.std() + 1e-8).clamp_min(floor);
+}
+
 Ppo::Ppo(VecEnv& env, ActorCritic& network, const PpoConfig& config, int64_t total_steps,
          uint64_t seed, torch::Device device)
     : env_(env),
@@ -170,8 +174,7 @@ double Ppo::Step(const Rollout& rows, PpoReport& report) {
   const auto terms = network_.Evaluate(rows.observation, rows.action);
   const auto log_ratio = terms.log_prob - rows.log_prob;
   const auto ratio = log_ratio.exp();
-  const auto advantage = (rows.advantage - rows.advantage.mean()) /
-                         (rows.advantage.std() + 1e-8).clamp_min(report.advantage_floor);
+  const auto advantage = NormalizedAdvantages(rows.advantage, report.advantage_floor);
 
   // Equation 7 of the PPO paper, as a loss.
   const double clip = report.clip_range;

@@ -25,6 +25,10 @@ Advantages EstimateAdvantages(std::span<const float> reward, std::span<const flo
                               std::span<const uint8_t> episode_end, int num_envs, double gamma,
                               double lambda);
 
+// Of mean 0 and deviation 1; where their deviation is below `floor` they are divided by the floor
+// instead, so that a critic's noise is not enlarged to a signal. [B] to [B].
+torch::Tensor NormalizedAdvantages(const torch::Tensor& advantage, double floor);
+
 // What one update did.
 struct PpoReport {
   double policy_loss = 0, value_loss = 0, entropy = 0, approx_kl = 0, clip_fraction = 0;

@@ -77,29 +77,12 @@ TEST(Ppo, TruncationBootstrapsTheFinalObservation) {
   EXPECT_NEAR(value, 1.0 / (1.0 - 0.8), 0.1);
 }
 
-// How far the policy moves in the second half of learning a task in which all actions are worth the
-// same, and the critic soon knows it.
-double IdleDrift(double advantage_floor) {
-  torch::set_num_threads(1);
-  EndlessReward env;
-  RandomStream stream(1);
-  ActorCritic network(env.observation_spec(), 1, {.hidden = 16}, stream);
-  Ppo ppo(env, network,
-          {.num_steps = 32, .minibatch_size = 64, .gamma = 0.8, .learning_rate = 0.01,
-           .entropy_coefficient = 0, .target_kl = 0, .advantage_floor = advantage_floor},
-          240 * 64, 1, torch::kCPU);
-  const auto mean = [&] { return network.Mean({{}, torch::ones({1, 1})}).item<double>(); };
-  double drift = 0;
-  for (int update = 0; update < 240; ++update) {
-    const double before = mean();
-    ppo.Update();
-    if (update >= 120) drift += std::abs(mean() - before);
-  }
-  return drift;
-}
-
-TEST(Ppo, AdvantagesWithoutSpreadHardlyMoveThePolicy) {
-  EXPECT_LT(IdleDrift(PpoConfig{}.advantage_floor), 0.1 * IdleDrift(0));
+TEST(NormalizedAdvantages, AFloorKeepsNoiseSmall) {
+  const auto advantage = torch::tensor({1.0f, 2.0f, 3.0f});  // deviation 1
+  const auto shares = torch::tensor({-1.0f, 0.0f, 1.0f});
+  EXPECT_TRUE(torch::allclose(NormalizedAdvantages(advantage, 0.5), shares));
+  EXPECT_TRUE(torch::allclose(NormalizedAdvantages(advantage, 4), shares / 4));
+  EXPECT_TRUE(torch::allclose(NormalizedAdvantages(advantage / 1000, 0.5), shares / 500));
 }
 
 TEST(FlatAdam, MatchesTorch) {
@@ -168,6 +151,22 @@ TEST(Ppo, ScaledRewardsHaveNoUnit) {
   Trainee metres(7), kibimetres(7, 1.0f / 1024);
   for (int i = 0; i < 3; ++i) metres.ppo.Update(), kibimetres.ppo.Update();
   EXPECT_EQ(ParametersOf(metres.network), ParametersOf(kibimetres.network));
+}
+
+TEST(Ppo, TheFloorOfAdvantagesIsInTheUnitOfReturns) {
+  torch::set_num_threads(1);
+  const auto floor = [](float reward_unit, bool scale_rewards) {
+    MoveToTarget env(8, reward_unit);
+    RandomStream stream(1);
+    ActorCritic network(env.observation_spec(), 1, {.hidden = 16}, stream);
+    Ppo ppo(env, network,
+            {.num_steps = 16, .scale_rewards = scale_rewards, .advantage_floor = 0.25}, 4096, 1,
+            torch::kCPU);
+    return ppo.Update().advantage_floor;
+  };
+  EXPECT_GT(floor(1, false), 0.01);
+  EXPECT_DOUBLE_EQ(floor(1024, false), 1024 * floor(1, false));
+  EXPECT_EQ(floor(1024, true), 0.25);
 }
 
 TEST(Ppo, ForeignStateIsRefused) {

@@ -18,7 +18,7 @@ double Score(const std::string& rung, int64_t total_steps) {
 
 TEST(ReferenceLearning, PpoHoldsThePole) { EXPECT_GT(Score("cart_pole_ppo", 50000), 400); }
 
-TEST(ReferenceLearning, PpoSwingsTheAcrobotUp) { EXPECT_GT(Score("acrobot_ppo", 65536), -110); }
+TEST(ReferenceLearning, PpoSwingsTheAcrobotUp) { EXPECT_GT(Score("acrobot_ppo", 131072), -100); }
 
 TEST(ReferenceLearning, PpoMakesTheCheetahRun) { EXPECT_GT(Score("half_cheetah_ppo", 61440), 700); }
 
