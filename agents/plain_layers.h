@@ -1,5 +1,5 @@
 // A few rows through a small perceptron without torch, whose every operation costs microseconds
-// before it computes: one row of 64 units takes 4 of them here and 60 there.
+// before it computes: with it, rollouts of one HalfCheetah took 3.5 times as long.
 #pragma once
 
 #include <torch/torch.h>
