@@ -46,7 +46,8 @@ class ActorCritic : public torch::nn::Module {
               RandomStream& stream, int choices = 0);
 
   // `draws` actions a row (1 without a map), one after the other, drawn with streams[row]. A few rows
-  // without a map are computed without torch (plain_layers.h), to within 1e-6 of what it gives.
+  // without a map are computed without torch (plain_layers.h), to within 1e-6 of what it gives (log
+  // densities 1e-5).
   Decision Sample(const ObservationTensors& observation, std::span<RandomStream> streams,
                   int draws = 1);
   // The most probable bin and the means of the numbers there, or the most probable choice: [B, A] on

@@ -32,7 +32,8 @@ class PlotCommand final : public Command {
     for (const std::string& argument : runs_) {
       const auto [name, folders] = Parse(argument);
       const LearningCurve curve = ReadLearningCurve(folders, column_, seed());
-      chart.series.push_back({.name = fmt::format("{} ({} seeds)", name, curve.runs),
+      chart.series.push_back({.name = fmt::format("{} ({} {})", name, curve.runs,
+                                                  curve.runs == 1 ? "seed" : "seeds"),
                               .x = curve.steps,
                               .y = curve.iqm,
                               .low = curve.low95,
