@@ -13,7 +13,7 @@ struct NetworkConfig {
   int64_t headings = 16;
   bool normalize = false;
   double surplus_first = 0;
-  std::vector<double> first_guess;
+  std::vector<double> first_guess = {};
 
   void Fields(FieldList& f) {
     f.Add("channels", channels, "feature channels at half the map's resolution, twice below", 1,
