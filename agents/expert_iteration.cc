@@ -1,9 +1,6 @@
 #include "agents/expert_iteration.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -18,11 +15,6 @@ namespace {
 
 constexpr double kAdamEpsilon = 1e-8;
 constexpr double kSurplusShare = 0.8;  // of the strokes that are not the policy's
-
-using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::vector<float> Values(const std::vector<Action>& actions) {
   std::vector<float> values;
@@ -179,10 +171,8 @@ double ExpertIteration::Learn() {
   loss.backward();
   const double norm = optimizer_.ClipGradients(config_.max_gradient_norm);
   SAND_CHECK(std::isfinite(norm), "a gradient is NaN", steps_);
-  const double left = config_.learning_rate_schedule == "constant"
-                          ? 1.0
-                          : 1.0 - static_cast<double>(steps_) / static_cast<double>(total_steps_);
-  optimizer_.Step(config_.learning_rate * std::max(left, 0.0));
+  optimizer_.Step(config_.learning_rate *
+                  ShareLeft(config_.learning_rate_schedule, steps_, total_steps_));
   return loss.item<double>();
 }
 
@@ -191,10 +181,9 @@ torch::Tensor ExpertIteration::Mean(const ObservationBatch& observation) {
 }
 
 void ExpertIteration::Save(Safetensors& content) const {
-  nlohmann::json state = {{"steps", steps_},
+  const nlohmann::json state = {{"steps", steps_},
                           {"shuffle", StreamToJson(shuffle_stream_)},
-                          {"streams", nlohmann::json::array()}};
-  for (const auto& stream : streams_) state["streams"].push_back(StreamToJson(stream));
+                          {"streams", StreamsToJson(streams_)}};
   content.metadata["expert_state"] = state.dump();
   SaveWeights(network_, "network.", content);
   optimizer_.Save("expert", content);
@@ -203,16 +192,12 @@ void ExpertIteration::Save(Safetensors& content) const {
 
 void ExpertIteration::Load(const Safetensors& content, const std::string& source) {
   const auto state = ParsedMetadata(content, "expert_state", source);
-  if (state.at("streams").size() != streams_.size())
-    throw Error(fmt::format("{}: saved with {} environments; env.num_envs is {}", source,
-                            state.at("streams").size(), streams_.size()));
+  StreamsFromJson(state.at("streams"), source, streams_);
   LoadWeights(content, "network.", source, network_);
   optimizer_.Load("expert", content, source);
   buffer_.Load(content, source);
   steps_ = state.at("steps");
   shuffle_stream_ = StreamFromJson(state.at("shuffle"));
-  for (size_t i = 0; i < streams_.size(); ++i)
-    streams_[i] = StreamFromJson(state.at("streams")[i]);
   RestartEpisodes();
 }
 

@@ -259,13 +259,17 @@ ActorCritic::Decision ActorCritic::SamplePlaces(const Encoding& encoding, const 
   const auto rows = torch::tensor(row).to(device), chosen = torch::tensor(bin).to(device);
   const BetaParameters numbers = NumbersAt(encoding, rows, chosen);
   const auto drawn = SampleBetas(numbers, streams).to(device);
-  const auto place = grid_.Place(chosen, drawn.narrow(1, 0, PlaceGrid::kNumbers));
-  const auto rest = drawn.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers);
-  const auto action = torch::cat({place, rest}, 1);
+  const auto action = ActionAt(chosen, drawn);
   const auto log_prob = CategoricalLogProb(logits.index_select(0, rows), chosen) +
                         BetaLogProb(numbers, Offsets(action, chosen)) + grid_.LogDensityOfOffset();
   return {action.to(torch::kCPU), log_prob.to(torch::kCPU),
           ValueOf(encoding).index_select(0, rows).to(torch::kCPU)};
+}
+
+torch::Tensor ActorCritic::ActionAt(const torch::Tensor& bin, const torch::Tensor& offsets) const {
+  return torch::cat({grid_.Place(bin, offsets.narrow(1, 0, PlaceGrid::kNumbers)),
+                     offsets.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers)},
+                    1);
 }
 
 torch::Tensor ActorCritic::Offsets(const torch::Tensor& action, const torch::Tensor& bin) const {
@@ -342,10 +346,7 @@ torch::Tensor ActorCritic::Mean(const ObservationTensors& observation) {
   if (!has_map_) return BetaMean(BetaFromOutputs(rest_head_(encoding.whole))).to(torch::kCPU);
   const auto bin = PlaceLogits(encoding, observation.map).argmax(-1);
   const auto mean = BetaMean(NumbersAt(encoding, torch::arange(bin.size(0), bin.device()), bin));
-  return torch::cat({grid_.Place(bin, mean.narrow(1, 0, PlaceGrid::kNumbers)),
-                     mean.narrow(1, PlaceGrid::kNumbers, action_size_ - PlaceGrid::kNumbers)},
-                    1)
-      .to(torch::kCPU);
+  return ActionAt(bin, mean).to(torch::kCPU);
 }
 
 ActorCritic::Terms ActorCritic::Evaluate(const ObservationTensors& observation,

@@ -83,6 +83,8 @@ class ActorCritic : public torch::nn::Module {
                            const torch::Tensor& bin);
   // `action` [B, A] with its first three numbers within `bin` [B].
   torch::Tensor Offsets(const torch::Tensor& action, const torch::Tensor& bin) const;
+  // Its inverse: the action [B, A] of `offsets` within `bin`.
+  torch::Tensor ActionAt(const torch::Tensor& bin, const torch::Tensor& offsets) const;
   // Sample without torch, of numbers [B, V] on the CPU.
   Decision SamplePlainly(const torch::Tensor& numbers, std::span<RandomStream> streams);
   torch::Tensor ValueOf(const Encoding& encoding);

@@ -1,7 +1,6 @@
 #include "agents/ppo.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -10,13 +9,8 @@
 namespace sandwright {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 constexpr double kAdamEpsilon = 1e-5;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // The rows of `batch` where `chosen` is not 0.
 ObservationBatch RowsOf(const ObservationBatch& batch, const ObservationSpec& spec,
@@ -154,12 +148,6 @@ torch::Tensor Ppo::Permutation(int64_t count) {
   return order.to(device_);
 }
 
-double Ppo::ShareLeft(const std::string& schedule) const {
-  if (schedule == "constant") return 1;
-  const auto total = static_cast<double>(std::max<int64_t>(total_steps_, 1));
-  return std::max(0.0, 1.0 - static_cast<double>(steps_) / total);
-}
-
 Ppo::Rollout Ppo::Rollout::Map(
     const std::function<torch::Tensor(const torch::Tensor&)>& choose) const {
   return {{choose(observation.map), choose(observation.vec)},
@@ -215,8 +203,8 @@ PpoReport Ppo::Update() {
   const Rollout rollout = Collect(report);
   report.rollout_s = SecondsSince(start);
   start = Clock::now();
-  report.learning_rate = config_.learning_rate * ShareLeft(config_.learning_rate_schedule);
-  report.clip_range = config_.clip_range * ShareLeft(config_.clip_range_schedule);
+  report.learning_rate = config_.learning_rate * ShareLeft(config_.learning_rate_schedule, steps_, total_steps_);
+  report.clip_range = config_.clip_range * ShareLeft(config_.clip_range_schedule, steps_, total_steps_);
   report.explained_variance = ExplainedVariance(rollout.value, rollout.value_target);
   report.advantage_deviation = rollout.advantage.std().item<double>();
   // Advantages are in the rewards' unit, which scaling has brought to the deviation.
@@ -281,8 +269,7 @@ void Ppo::Save(Safetensors& content) const {
   nlohmann::json state = {{"steps", steps_},
                           {"shuffle", StreamToJson(shuffle_stream_)},
                           {"returns", return_scaler_.ToJson()},
-                          {"action", nlohmann::json::array()}};
-  for (const auto& stream : action_streams_) state["action"].push_back(StreamToJson(stream));
+                          {"action", StreamsToJson(action_streams_)}};
   content.metadata["ppo_state"] = state.dump();
   SaveWeights(network_, "network.", content);
   optimizer_.Save("ppo", content);
@@ -290,17 +277,12 @@ void Ppo::Save(Safetensors& content) const {
 
 void Ppo::Load(const Safetensors& content, const std::string& source) {
   const auto state = ParsedMetadata(content, "ppo_state", source);
-  if (state.at("action").size() != action_streams_.size())
-    throw Error(source + ": saved with another number of environments (" +
-                std::to_string(state.at("action").size()) + " instead of " +
-                std::to_string(action_streams_.size()) + ")");
+  StreamsFromJson(state.at("action"), source, action_streams_);
   LoadWeights(content, "network.", source, network_);
   optimizer_.Load("ppo", content, source);
   steps_ = state.at("steps");
   shuffle_stream_ = StreamFromJson(state.at("shuffle"));
   return_scaler_.FromJson(state.at("returns"));
-  for (size_t i = 0; i < action_streams_.size(); ++i)
-    action_streams_[i] = StreamFromJson(state.at("action")[i]);
   RestartEpisodes();
 }
 

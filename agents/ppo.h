@@ -70,8 +70,6 @@ class Ppo final : public Trainer {
   // One gradient step on a minibatch; returns the KL estimate.
   double Step(const Rollout& rows, PpoReport& report);
   torch::Tensor Permutation(int64_t count);
-  // What a schedule leaves of its first value after the steps so far.
-  double ShareLeft(const std::string& schedule) const;
 
   VecEnv& env_;
   ActorCritic& network_;

@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "agents/colored_noise.h"
@@ -166,7 +165,7 @@ void Sac::GradientStep(Sums& sums) {
 }
 
 std::map<std::string, double> Sac::Advance() {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   Sums sums;
   std::vector<EpisodeSummary> finished;
   for (int64_t round = 0; round < kStretch; ++round) {
@@ -185,9 +184,7 @@ std::map<std::string, double> Sac::Advance() {
     for (int64_t i = 0; i < config_.gradient_steps; ++i) GradientStep(sums);
   }
   auto scalars = EpisodeScalars(finished);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  scalars["time/fps"] = static_cast<double>(kStretch * env_.num_envs()) / seconds;
+  scalars["time/fps"] = static_cast<double>(kStretch * env_.num_envs()) / SecondsSince(start);
   if (sums.gradient_steps == 0) return scalars;
   const auto count = static_cast<double>(sums.gradient_steps);
   scalars["train/critic_loss"] = sums.critic_loss / count;

@@ -3,7 +3,6 @@
 #include <malloc.h>
 #include <spdlog/fmt/fmt.h>
 
-#include <chrono>
 #include <limits>
 #include <optional>
 
@@ -90,10 +89,9 @@ class Run {
 
   // Adds to `scalars`; returns what to tell.
   std::string Evaluate(std::map<std::string, double>& scalars) {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     const std::optional<Verdict> verdict = training_.Evaluate();
-    evaluation_s_ +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    evaluation_s_ += SecondsSince(start);
     if (!verdict) return "";
     verdict_ = verdict;
     if (verdict->cost < least_cost_) {

@@ -40,6 +40,16 @@ void CheckFinite(const StepBatch& step) {
              "the environment gave an observation that is NaN");
 }
 
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double ShareLeft(const std::string& schedule, int64_t steps, int64_t total_steps) {
+  if (schedule == "constant") return 1;
+  const auto total = static_cast<double>(std::max<int64_t>(total_steps, 1));
+  return std::max(0.0, 1.0 - static_cast<double>(steps) / total);
+}
+
 nlohmann::json StreamToJson(const RandomStream& stream) {
   const auto& s = stream.state();
   return {{"key", s.key}, {"counter", s.counter}, {"block", s.block}, {"used", s.used}};
@@ -52,6 +62,20 @@ RandomStream StreamFromJson(const nlohmann::json& json) {
   json.at("block").get_to(s.block);
   json.at("used").get_to(s.used);
   return RandomStream(s);
+}
+
+nlohmann::json StreamsToJson(std::span<const RandomStream> streams) {
+  auto json = nlohmann::json::array();
+  for (const RandomStream& stream : streams) json.push_back(StreamToJson(stream));
+  return json;
+}
+
+void StreamsFromJson(const nlohmann::json& json, const std::string& source,
+                     std::span<RandomStream> streams) {
+  if (json.size() != streams.size())
+    throw Error(fmt::format("{}: saved with another number of environments ({} instead of {})", source,
+                            json.size(), streams.size()));
+  for (size_t i = 0; i < streams.size(); ++i) streams[i] = StreamFromJson(json[i]);
 }
 
 nlohmann::json ParsedMetadata(const Safetensors& content, const std::string& key,

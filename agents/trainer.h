@@ -3,6 +3,7 @@
 
 #include <torch/torch.h>
 
+#include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -44,8 +45,18 @@ std::map<std::string, double> EpisodeScalars(std::span<const EpisodeSummary> fin
 // Throws Error (a bug of the environment) where a reward or an observation is not finite.
 void CheckFinite(const StepBatch& step);
 
+using Clock = std::chrono::steady_clock;
+double SecondsSince(Clock::time_point start);
+
+// What a schedule ("constant", or "linear": 0 at total_steps) leaves of its first value after `steps`.
+double ShareLeft(const std::string& schedule, int64_t steps, int64_t total_steps);
+
 nlohmann::json StreamToJson(const RandomStream& stream);
 RandomStream StreamFromJson(const nlohmann::json& json);
+// One stream an environment. FromJson throws Error naming `source` where they are of another number.
+nlohmann::json StreamsToJson(std::span<const RandomStream> streams);
+void StreamsFromJson(const nlohmann::json& json, const std::string& source,
+                     std::span<RandomStream> streams);
 // Throws Error naming `source` where the metadata `key` is not there or not JSON.
 nlohmann::json ParsedMetadata(const Safetensors& content, const std::string& key,
                               const std::string& source);
