@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kConnectTime = 5s, kReplyTime = 5s, kWriteTime = 50ms;
+constexpr std::chrono::milliseconds kConnectTime = 5s, kReplyTime = 5s, kWriteTime = 50ms;
 constexpr size_t kFramesKept = 125;
 // The beat outlives a watcher by this: less than the 100 ms after which the program stops.
 constexpr auto kWatchedFor = 60ms;

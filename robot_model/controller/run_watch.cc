@@ -158,7 +158,7 @@ std::optional<RunVerdict> RunWatch::JudgeEnd() const {
                     "the arm's state is {}",
                     script_.stopped() ? "stopped" : "not stopped", phase(),
                     Name(state_.runtime_state))};
-  if (!(script_.started() && ran_) && time_s_ > kStartTime_s)
+  if (!ran_ && time_s_ > kStartTime_s)
     return RunVerdict{RunEnd::kDidNotStart,
                       fmt::format("not running {} s after it was sent", kStartTime_s)};
   const double longest_s = plan_.duration_s * kDurationShare + kDurationMore_s;

@@ -15,7 +15,7 @@ constexpr int32_t kGoOn = 0, kStop = 1;  // ProgramRegisters::kCommand
 constexpr auto kFrameTime = 20ms;
 // The program has this long to confirm a stop before the dashboard is asked, and the arm this long
 // to stand.
-constexpr auto kConfirmTime = 100ms, kStandTime = 3s;
+constexpr std::chrono::milliseconds kConfirmTime = 100ms, kStandTime = 3s;
 constexpr double kStanding_radps = 0.01;
 // Errors may follow the end of a program.
 constexpr auto kDrainTime = 100ms;
