@@ -145,9 +145,9 @@ TEST(RunWatch, SafetyStopsAreTold) {
     run.Frames(1);
     EXPECT_EQ(run.Verdict(), expected) << Name(mode);
   }
-  for (const auto& [bit, expected] :
-       {std::pair{2, "protective_stop"}, {4, "safeguard_stop"}, {7, "emergency_stop"},
-        {9, "safety_fault"}}) {
+  const std::pair<int, const char*> bits[] = {
+      {2, "protective_stop"}, {4, "safeguard_stop"}, {7, "emergency_stop"}, {9, "safety_fault"}};
+  for (const auto& [bit, expected] : bits) {
     Run run;
     run.Start();
     run.state.safety_status_bits = 1u << bit;
@@ -267,7 +267,8 @@ TEST(ForceGuard, TripsAtTheThirdSampleAndStaysTripped) {
 }
 
 TEST(ForceGuard, IsCrudeWithoutBaselineAndBeforeTheStroke) {
-  ForceGuard without(MotionLimits{}, {}, 50, 75), with(MotionLimits{}, ForceBaseline(9), 50, 75);
+  ForceGuard without(MotionLimits{}, {}, 50, 75),
+      with(MotionLimits{}, ForceBaseline(9, Eigen::Vector3d::Zero()), 50, 75);
   for (int i = 0; i < 10; ++i) {
     without.Take({80, {0, 74, 0}});
     with.Take({49, {0, 74, 0}});
@@ -310,8 +311,9 @@ TEST(IdentityFaults, NameEachReason) {
   ASSERT_EQ(IdentityFaults(arm, cell).size(), 1u);
   EXPECT_THAT(IdentityFaults(arm, cell)[0], HasSubstr("0.09220000000000"));
   EXPECT_THAT(IdentityFaults(arm, cell)[0], HasSubstr("0.0922]"));
-  for (const auto& [model, version] :
-       {std::pair{"UR10e", ControllerVersion{5, 11, 0, 0}}, {"UR5", {3, 5, 0, 0}}}) {
+  const std::pair<const char*, ControllerVersion> others[] = {{"UR10e", {5, 11, 0, 0}},
+                                                              {"UR5", {3, 5, 0, 0}}};
+  for (const auto& [model, version] : others) {
     arm.model = model;
     arm.version = version;
     arm.robot_mode = RobotMode::kIdle;
