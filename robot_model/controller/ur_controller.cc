@@ -200,7 +200,8 @@ void UrController::StopArm(RunWatch& watch, Recorder& recorder, RunOutcome& outc
   bool asked = is_foreign, dashboard_confirms = false;
   std::optional<RunVerdict> safety;
   while (Clock::now() - decided < kStandTime) {
-    const bool is_blind = rtde_.link() != LinkState::kOpen;
+    const bool is_blind =
+        rtde_.link() != LinkState::kOpen || rtde_.freshness() == Freshness::kDead;
     if (const auto frame = Next(watch, Clock::now() + kFrameTime)) {
       recorder.Take(watch.Take(frame->state));
       if (!safety) safety = SafetyVerdict(frame->state);

@@ -74,7 +74,7 @@ inline Bytes PrimaryState(const DhParameters& dh) {
   mode.U32(47);
   mode.U8(0);
   mode.U64(42);
-  for (const uint8_t flag : {1, 1, 1, 0, 0, 1, 0}) mode.U8(flag);
+  for (const bool flag : {true, true, true, false, false, true, false}) mode.U8(flag);
   mode.U8(7);
   mode.U8(0);
   for (int i = 0; i < 3; ++i) mode.F64(1);

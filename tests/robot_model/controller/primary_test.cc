@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "robot_model/controller/script_progress.h"
 #include "robot_model/controller/script_rules.h"
 #include "tests/robot_model/controller/packet_bytes.h"
@@ -112,7 +115,7 @@ TEST(Primary, WhatIsCutShortOrLiesIsRefused) {
     // Between two sub-packages a shorter state is a whole one.
     EXPECT_EQ(items.has_value(), length == 52 || length == 61) << length;
   }
-  for (const uint8_t size : {0, 4, 255}) {
+  for (const uint8_t size : Bytes{0, 4, 255}) {
     Bytes lie = state;
     lie[8] = size;  // of the first sub-package
     EXPECT_FALSE(Parse(lie)) << size;

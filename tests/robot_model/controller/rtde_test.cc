@@ -33,9 +33,9 @@ TEST(Rtde, RequestsAreTheBytesOfTheGuide) {
   EXPECT_EQ(RtdeInputs(1, 2, -1), FromHex("00 0c 55 01 00 00 00 02 ff ff ff ff"));
   const Bytes outputs = RtdeOutputsRequest();
   EXPECT_EQ(Bytes(outputs.begin(), outputs.begin() + 11),
-            FromHex("01 20 4f 40 5f 40 00 00 00 00 00"));
+            FromHex("01 12 4f 40 5f 40 00 00 00 00 00"));
   EXPECT_EQ(std::string(outputs.begin() + 11, outputs.begin() + 29), "timestamp,target_q");
-  EXPECT_EQ(outputs.size(), 0x120u);
+  EXPECT_EQ(outputs.size(), 0x112u);
 }
 
 TEST(Rtde, SoftwareCannotReachTheSpeedSlider) {
@@ -54,7 +54,7 @@ TEST(Rtde, RepliesAreReadAndLiesRefused) {
   EXPECT_EQ(Name(*version), "3.15.8.106339");
   EXPECT_FALSE(ParseRtdeVersion(FromHex("00 00 00 03 00 00 00 0f 00 00 00 08 00 01 9f")));
 
-  const auto packets = Cut(kRtdeFormat, FromHex("00 11 4f 01") + "DOUBLE,VECTOR6D", 64);
+  const auto packets = Cut(kRtdeFormat, FromHex("00 13 4f 01") + "DOUBLE,VECTOR6D", 64);
   ASSERT_EQ(packets.size(), 1u);
   const auto outputs = ParseRtdeRecipe(packets[0].payload);
   ASSERT_TRUE(outputs);
@@ -62,7 +62,7 @@ TEST(Rtde, RepliesAreReadAndLiesRefused) {
   EXPECT_EQ(outputs->types, "DOUBLE,VECTOR6D");
   // A size that is one too large takes a byte of the next packet, and the reader loses step.
   const auto lie = Cut(
-      kRtdeFormat, FromHex("00 12 4f 01") + "DOUBLE,VECTOR6D" + FromHex("00 03 50 00 03 50"), 64);
+      kRtdeFormat, FromHex("00 14 4f 01") + "DOUBLE,VECTOR6D" + FromHex("00 03 50 00 03 50"), 64);
   ASSERT_EQ(lie.size(), 1u);
   EXPECT_NE(ParseRtdeRecipe(lie[0].payload)->types, "DOUBLE,VECTOR6D");
   EXPECT_FALSE(ParseRtdeRecipe(FromHex("01")));
@@ -116,10 +116,12 @@ TEST(Rtde, StateOfAnotherLengthRecipeOrWithNanIsNone) {
                              std::numeric_limits<double>::infinity()}) {
     ArmState state = SomeState();
     state.tcp_force[1] = wrong;
-    EXPECT_FALSE(ParseArmState(std::span(StateFrame(state, 3)).subspan(3), 3));
+    const Bytes force = StateFrame(state, 3);
+    EXPECT_FALSE(ParseArmState(std::span(force).subspan(3), 3));
     state = SomeState();
     state.target_speed_fraction = wrong;
-    EXPECT_FALSE(ParseArmState(std::span(StateFrame(state, 3)).subspan(3), 3));
+    const Bytes slider = StateFrame(state, 3);
+    EXPECT_FALSE(ParseArmState(std::span(slider).subspan(3), 3));
   }
 }
 

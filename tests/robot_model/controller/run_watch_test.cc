@@ -39,7 +39,7 @@ ArmState Ready() {
 }
 
 // A program that runs along the plan, one knot a frame.
-struct Run {
+struct Trial {
   RunWatch watch{TwoSeconds(), MotionLimits{}, {}, Ready()};
   ArmState state = Ready();
   size_t knot = 0;
@@ -73,7 +73,7 @@ struct Run {
 };
 
 TEST(RunWatch, FinishesWhenAllThreeAgree) {
-  Run run;
+  Trial run;
   run.Frames(20);
   EXPECT_EQ(run.Verdict(), "goes on");
   run.Start();
@@ -89,14 +89,14 @@ TEST(RunWatch, FinishesWhenAllThreeAgree) {
 }
 
 TEST(RunWatch, TwoOfThreeDoNotAgree) {
-  Run silent;  // the controller does not say that it stopped
+  Trial silent;  // the controller does not say that it stopped
   silent.Start();
   silent.Frames(260);
   silent.SetPhase(ProgramPhase::kFinished);
   silent.state.runtime_state = RuntimeState::kStopped;
   silent.Frames(80);
   EXPECT_EQ(silent.Verdict(), "program_ended");
-  Run early;  // the program has not reached its end
+  Trial early;  // the program has not reached its end
   early.Start();
   early.Frames(100);
   early.Stopped();
@@ -107,7 +107,7 @@ TEST(RunWatch, TwoOfThreeDoNotAgree) {
 }
 
 TEST(RunWatch, LeftoversOfAnEarlierProgramAreNoSignOfThisOne) {
-  Run run;
+  Trial run;
   run.watch.Take(KeyMessage{0, 0, "PROGRAM_XXX_STARTED", "go"});
   run.watch.Take(KeyMessage{0, 0, "PROGRAM_XXX_STOPPED", "go"});
   run.Frames(5);
@@ -117,7 +117,7 @@ TEST(RunWatch, LeftoversOfAnEarlierProgramAreNoSignOfThisOne) {
 }
 
 TEST(RunWatch, FinishedElsewhereIsNotFinished) {
-  Run run;
+  Trial run;
   run.Start();
   run.Frames(200);  // knot 200 of 250
   run.SetPhase(ProgramPhase::kFinished);
@@ -137,7 +137,7 @@ TEST(RunWatch, SafetyStopsAreTold) {
       {SafetyMode::kRecovery, "safety_fault"},
       {static_cast<SafetyMode>(42), "safety_fault"}};
   for (const auto& [mode, expected] : cases) {
-    Run run;
+    Trial run;
     run.Start();
     run.Frames(10);
     run.state.safety_mode = mode;
@@ -148,13 +148,13 @@ TEST(RunWatch, SafetyStopsAreTold) {
   const std::pair<int, const char*> bits[] = {
       {2, "protective_stop"}, {4, "safeguard_stop"}, {7, "emergency_stop"}, {9, "safety_fault"}};
   for (const auto& [bit, expected] : bits) {
-    Run run;
+    Trial run;
     run.Start();
     run.state.safety_status_bits = 1u << bit;
     run.Frames(1);
     EXPECT_EQ(run.Verdict(), expected) << bit;
   }
-  Run reduced;
+  Trial reduced;
   reduced.Start();
   reduced.state.safety_mode = SafetyMode::kReduced;
   reduced.Frames(10);
@@ -162,7 +162,7 @@ TEST(RunWatch, SafetyStopsAreTold) {
   reduced.state.robot_mode = RobotMode::kPowerOff;
   reduced.Frames(1);
   EXPECT_EQ(reduced.Verdict(), "safety_fault");
-  Run stuck;  // the other connection knows
+  Trial stuck;  // the other connection knows
   stuck.Start();
   stuck.Frames(1);
   RobotModeData mode;
@@ -172,11 +172,11 @@ TEST(RunWatch, SafetyStopsAreTold) {
 }
 
 TEST(RunWatch, ScriptAndForeignFaultsAreTold) {
-  Run rejected;
+  Trial rejected;
   rejected.watch.Take(RuntimeExceptionMessage{3, 5, "syntax_error"});
   EXPECT_EQ(rejected.Verdict(), "script_error");
   EXPECT_THAT(rejected.watch.Judge()->reason, HasSubstr("line 3, column 5"));
-  Run foreign;
+  Trial foreign;
   foreign.Start();
   foreign.watch.Take(KeyMessage{0, 0, "PROGRAM_XXX_STARTED", "other"});
   EXPECT_EQ(foreign.Verdict(), "foreign_program");
@@ -191,7 +191,7 @@ TEST(RunWatch, TheProgramsOwnEndsAreTold) {
       {ProgramPhase::kBeatLost, "beat_lost"},
       {ProgramPhase::kAskedToStop, "program_ended"}};
   for (const auto& [phase, expected] : cases) {
-    Run run;
+    Trial run;
     run.Start();
     run.SetPhase(phase);
     run.Frames(1);
@@ -200,7 +200,7 @@ TEST(RunWatch, TheProgramsOwnEndsAreTold) {
 }
 
 TEST(RunWatch, LeavingThePlanIsTold) {
-  Run run;
+  Trial run;
   run.Start();
   run.Frames(100);
   run.state.timestamp_s += 0.008;
@@ -211,7 +211,7 @@ TEST(RunWatch, LeavingThePlanIsTold) {
 }
 
 TEST(RunWatch, DoesNotStart) {
-  Run run;
+  Trial run;
   run.Frames(1240);
   EXPECT_EQ(run.Verdict(), "goes on");
   run.Frames(20);
@@ -220,7 +220,7 @@ TEST(RunWatch, DoesNotStart) {
 
 TEST(RunWatch, TimeIsThePlansOwn) {
   const auto seconds_until_late = [](double slider, int paused_frames) {
-    Run run;
+    Trial run;
     run.Start();
     run.state.target_speed_fraction = slider;
     run.Frames(5);
