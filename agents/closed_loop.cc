@@ -23,6 +23,20 @@ int ShapingRun::rejected() const {
       std::ranges::count_if(strokes, [](auto& s) { return !s.verdict.accepted; }));
 }
 
+Stroke ChooseStroke(Agent& agent, const ShapingJob& job, const HeightMap& sensed, int strokes_used,
+                    int rejected_in_a_row, const SafetyGate& gate, const Blade& blade,
+                    RandomStream& stream) {
+  const TaskView view{.sensed = sensed,
+                      .goal = job.goal,
+                      .region = job.region,
+                      .strokes_used = strokes_used,
+                      .max_strokes = job.max_strokes,
+                      .rejected_in_a_row = rejected_in_a_row,
+                      .gate = &gate};
+  const Action action = agent.Act({&view, 1}, {&stream, 1}).front();
+  return DecodeAction(action, sensed, job.region, blade, job.speed_mps);
+}
+
 ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate& gate,
                          const ShapingJob& job, RandomStream stream, const Execute& execute) {
   CheckTask({job.terrain, job.goal, job.max_strokes}, "shaping job");
@@ -39,15 +53,8 @@ ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate&
     if (run.stopped) break;
     ShapingStroke step;
     auto clock = std::chrono::steady_clock::now();
-    const TaskView view{.sensed = sensed,
-                        .goal = job.goal,
-                        .region = job.region,
-                        .strokes_used = static_cast<int>(run.strokes.size()),
-                        .max_strokes = job.max_strokes,
-                        .rejected_in_a_row = rejected_in_a_row,
-                        .gate = &gate};
-    const Action action = agent.Act({&view, 1}, {&stream, 1}).front();
-    step.stroke = DecodeAction(action, sensed, job.region, model.blade(), job.speed_mps);
+    step.stroke = ChooseStroke(agent, job, sensed, static_cast<int>(run.strokes.size()),
+                               rejected_in_a_row, gate, model.blade(), stream);
     step.choose_ms = Lap_ms(clock);
     step.verdict = gate.Check(step.stroke, sensed, GateSampling::kFine, arm);
     step.gate_ms = Lap_ms(clock);
@@ -59,7 +66,7 @@ ShapingRun RunClosedLoop(Agent& agent, const SandModel& model, const SafetyGate&
       model.Apply({&state, 1}, {&step.stroke, 1});
       step.predicted = state.map();
       step.predict_ms = Lap_ms(clock);
-      step.after = execute ? execute(*step.verdict.motion) : step.predicted;
+      step.after = execute ? execute(step.stroke) : step.predicted;
       sensed = step.after;
     }
     step.goal_error_m = GoalError(sensed, job.goal);

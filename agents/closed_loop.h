@@ -44,8 +44,14 @@ struct ShapingRun {
   }
 };
 
-// Executes one gated motion and returns the bed as sensed afterwards, on the terrain's grid.
-using Execute = std::function<HeightMap(const StrokeMotion&)>;
+// Executes one stroke that passed the gate and returns the bed as sensed afterwards, on the
+// terrain's grid.
+using Execute = std::function<HeightMap(const Stroke&)>;
+
+// The agent's next stroke for the bed as sensed, after so many strokes of the job's budget.
+Stroke ChooseStroke(Agent& agent, const ShapingJob& job, const HeightMap& sensed, int strokes_used,
+                    int rejected_in_a_row, const SafetyGate& gate, const Blade& blade,
+                    RandomStream& stream);
 
 // Runs until the goal error is at most success_error_m, the strokes are used up, or too many in a
 // row are rejected. Without `execute` the model's prediction is taken for the result: that is

@@ -71,6 +71,7 @@ std::unique_ptr<Command> MakePlotCommand();
 std::unique_ptr<Command> MakePlanCommand();
 std::unique_ptr<Command> MakeCheckCommand();
 std::unique_ptr<Command> MakeExportCommand();
+std::unique_ptr<Command> MakeDeployCommand();
 std::unique_ptr<Command> MakeBenchCommand();
 std::unique_ptr<Command> MakeDemoCommand();
 

@@ -15,6 +15,7 @@
 #include "env/goals.h"
 #include "env/load_sand_model.h"
 #include "robot_model/plan.h"
+#include "robot_model/rig_driver.h"
 #include "robot_model/urscript.h"
 
 namespace sandwright {
@@ -56,9 +57,10 @@ cv::Mat DrawFrame(const DepthFrame& frame) {
   return image;
 }
 
-// The shipped cell with a box of the scanned size in front of the arm.
-Workcell CellFor(const HeightMap& terrain) {
+// The shipped cell with the camera of the frame and a box of the scanned size in front of the arm.
+Workcell CellFor(const HeightMap& terrain, const CameraModel& camera) {
   Workcell cell = LoadWorkcell(ShippedConfig("workcell.yaml"));
+  cell.camera = camera;
   cell.box.width_m = terrain.width_m();
   cell.box.depth_m = terrain.depth_m();
   cell.X_WB.translation_m[0] = -terrain.width_m() / 2;
@@ -75,19 +77,38 @@ GoalShape ShapeFor(const DemoConfig& config, const Region& region) {
           .rise_m = 0.02};
 }
 
+struct ExecutedStroke {
+  ToolPath path;  // of the blade in the sand
+  ArmRecord record;
+};
+
+// To the camera and a look at the bed. Error where the gate or the scan refuses.
+HeightMap LookAt(RigDriver& driver) {
+  const Drive drive = driver.ToCamera();
+  if (!drive.finished()) throw Error("no rescan: " + drive.why());
+  const ScanResult scan = driver.Look();
+  if (!scan.accepted) throw Error("the rescan was refused", scan.reasons);
+  return scan.map;
+}
+
 // One agent on its own copy of the bed; the same seed for each, so that luck is shared.
 DemoRun RunAgent(Agent& agent, const SandModel& model, const SafetyGate& gate,
                  const ShapingJob& job, const SandModel& world, const DemoConfig& config,
                  uint64_t seed, std::vector<ExecutedStroke>* executed) {
   SimulatedRig rig(gate.workcell(), world, job.terrain, config.rig,
                    RandomStream(seed, StreamId("demo rig")));
+  RigDriver driver(rig, gate, config.scan);
   const auto start = std::chrono::steady_clock::now();
   DemoRun run{.agent = agent.name()};
+  LookAt(driver);
   run.run = RunClosedLoop(agent, model, gate, job, RandomStream(seed, StreamId("demo agent")),
-                          [&](const StrokeMotion& motion) {
-                            ExecutedStroke stroke = rig.Execute(motion);
-                            if (executed) executed->push_back(std::move(stroke));
-                            return rig.Scan(config.scan);
+                          [&](const Stroke& stroke) {
+                            Drive drive = driver.Run(stroke);
+                            if (!drive.finished()) throw Error("no stroke: " + drive.why());
+                            if (executed)
+                              executed->push_back(
+                                  {rig.last_path(), std::move(drive.execution->record)});
+                            return LookAt(driver);
                           });
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return run;
@@ -162,7 +183,7 @@ void AddPlan(const ShapingRun& run, const SafetyGate& gate, DemoReport& report) 
 void ScanFrame(const std::string& frame_file, const DemoConfig& config, DemoReport& report) {
   const DepthFrame frame = ReadDepthFrame(frame_file);
   const ScanResult scan =
-      ScanDepth({&frame, 1}, config.rig.camera, config.scan, {.sand_depth_m = config.sand_depth_m});
+      ScanDepth({&frame, 1}, config.camera, config.scan, {.sand_depth_m = config.sand_depth_m});
   if (!scan.accepted) throw Error(frame_file + " is not a bed of sand", scan.reasons);
   report.frame_name = std::filesystem::path(frame_file).filename().string();
   report.frame = DrawFrame(frame);
@@ -187,7 +208,7 @@ DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t se
   const Region region{(width_m - side_m) / 2, (depth_m - side_m) / 2, side_m, side_m};
   report.region = region;
   report.goal = MakeGoal(ShapeFor(config, region), report.terrain, region, 1);
-  report.cell = CellFor(report.terrain);
+  report.cell = CellFor(report.terrain, config.camera);
   const SafetyGate gate(report.cell);
   SandModelConfig model_config;
   model_config.heightfield.threads = config.world.threads = threads;

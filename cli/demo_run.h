@@ -20,6 +20,7 @@ struct DemoConfig {
   double sand_depth_m = 0.05;
   double region_m = 0.3;
   double speed_mps = 0.1;
+  CameraModel camera;
   ScanConfig scan;
   HeightfieldConfig world;  // differs from the model on purpose: real sand is never the model
   SimulatedRigConfig rig;
@@ -39,6 +40,7 @@ struct DemoConfig {
     f.Add("region_m", region_m, "side of the square in the middle of the box that is shaped [m]",
           0.2, 0.6);
     f.Add("speed_mps", speed_mps, "speed of the blade [m/s]", 0.01, 0.25);
+    f.Section("camera", camera);
     f.Section("scan", scan);
     f.Section("world", world);
     f.Section("rig", rig);

@@ -35,6 +35,8 @@ constexpr Entry kCommands[] = {
     {"plan", "terrain + goal -> gated strokes", MakePlanCommand},
     {"check", "the safety gate alone, on a plan", MakeCheckCommand},
     {"export", "plan -> URScript, through the gate", MakeExportCommand},
+    {"deploy", "runs strokes on a rig: gate, motion, rescan, compare, next or stop",
+     MakeDeployCommand},
     {"bench", "speed, and speed against error", MakeBenchCommand},
     {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at",
      MakeDemoCommand},

@@ -4,9 +4,8 @@
 #include <vector>
 
 #include "data/base/random.h"
-#include "data/stroke.h"
 #include "robot_model/arm_model.h"
-#include "robot_model/stroke_motion.h"
+#include "robot_model/arm_record.h"
 #include "robot_model/workcell.h"
 
 namespace sandwright {
@@ -25,33 +24,22 @@ struct SimulatedArmConfig {
   }
 };
 
-// What the arm did, at 125 Hz. One entry a period in each list.
-struct ArmRecord {
-  std::vector<double> time_s;
-  std::vector<JointAngles> commanded, measured;
-  std::vector<Vector6> speed_radps;  // of the measured angles
-
-  size_t size() const { return time_s.size(); }
-};
-
-struct ExecutedStroke {
-  ToolPath path;  // of the blade in the sand, frame B; at most 1 mm and 0.05 rad between poses
-  ArmRecord record;
-};
-
 class SimulatedArm {
  public:
   explicit SimulatedArm(const Workcell& workcell, const SimulatedArmConfig& config = {});
 
-  // Follows the knots (StrokeMotion::kPeriod_s apart), then waits until the lag is gone.
-  ArmRecord Follow(const std::vector<JointAngles>& knots, RandomStream& random) const;
-  // A whole stroke; the blade's path comes from MuJoCo's kinematics of the measured angles.
-  ExecutedStroke Execute(const StrokeMotion& motion, RandomStream& random) const;
+  // Follows the knots (StrokeMotion::kPeriod_s apart) at a share of their speed, then waits until
+  // the lag is gone.
+  ArmRecord Follow(const std::vector<JointAngles>& knots, RandomStream& random,
+                   double speed_share = 1) const;
+  // X_BT, by MuJoCo's kinematics.
+  Eigen::Isometry3d BladeInBox(const JointAngles& q) const;
 
  private:
   SimulatedArmConfig config_;
   Eigen::Isometry3d X_BW_;
   MujocoModel model_;
+  MujocoData data_;
 };
 
 }  // namespace sandwright

@@ -1,32 +1,54 @@
 #include "env/simulated_rig.h"
 
+#include "data/base/error.h"
+
 namespace sandwright {
+namespace {
+
+constexpr double kStart_rad = 0.02;  // as the programs for a controller demand
+
+}  // namespace
 
 SimulatedRig::SimulatedRig(const Workcell& workcell, const SandModel& world, HeightMap truth,
-                           const SimulatedRigConfig& config, RandomStream stream)
-    : world_(world),
-      sand_(std::move(truth)),
+                           const SimulatedRigConfig& config, RandomStream stream,
+                           std::filesystem::path bed_file)
+    : cell_(workcell),
+      world_(world),
+      sand_(world.Start(std::move(truth), stream.Next64())),
       config_(config),
       arm_(workcell, config.arm),
-      X_BC_(CameraAbove(sand_.map().width_m(), sand_.map().depth_m(), config.camera_height_m)),
-      stream_(stream) {}
+      stream_(stream),
+      bed_file_(std::move(bed_file)),
+      joints_(workcell.home()) {}
 
-HeightMap SimulatedRig::Scan(const ScanConfig& config) {
-  const HeightMap& bed = sand_.map();
-  const DepthCamera camera(config_.camera, X_BC_);
-  std::vector<DepthFrame> frames;
-  for (int64_t i = 0; i < config_.frames; ++i) frames.push_back(camera.Render(bed, stream_));
-  const ScanResult scan =
-      ScanDepth(frames, config_.camera, config,
-                {.box_size_m = Eigen::Vector2d(bed.width_m(), bed.depth_m()), .X_BC = X_BC_});
-  if (!scan.accepted) throw Error("the rescan was refused", scan.reasons);
-  return scan.map;
+Execution SimulatedRig::Execute(const GatedMotion& motion, const ExecuteOptions& options) {
+  if ((joints_.rad - motion.start().rad).cwiseAbs().maxCoeff() > kStart_rad)
+    return {.end = "not at start",
+            .reason = "the arm is not where the motion begins; nothing was moved"};
+  Execution execution{.finished = true, .end = "finished"};
+  execution.record = arm_.Follow(motion.knots(), stream_, options.speed_share);
+  joints_ = execution.record.measured.back();
+  if (motion.kind() != GatedMotion::Kind::kStroke) return execution;
+  path_ = ExecutedPath(execution.record, motion.stroke_motion(), motion.knots(),
+                       [&](const JointAngles& q) { return arm_.BladeInBox(q); });
+  world_.Apply({&sand_, 1}, {&path_, 1});
+  if (!bed_file_.empty()) WriteHeightMap(sand_.map(), bed_file_);
+  return execution;
 }
 
-ExecutedStroke SimulatedRig::Execute(const StrokeMotion& motion) {
-  ExecutedStroke executed = arm_.Execute(motion, stream_);
-  world_.Apply({&sand_, 1}, {&executed.path, 1});
-  return executed;
+ScanResult SimulatedRig::Scan(const ScanConfig& config) {
+  const HeightMap& bed = sand_.map();
+  const Eigen::Isometry3d X_BC = cell_.X_WB.ToIsometry().inverse() *
+                                 Ur10(cell_.kinematics).Forward(joints_) *
+                                 cell_.tool.X_FC.ToIsometry();
+  const DepthCamera camera(cell_.camera, X_BC,
+                           {.wall_height_m = cell_.box.wall_height_m,
+                            .wall_thickness_m = cell_.box.wall_thickness_m,
+                            .table_m = cell_.box.floor_thickness_m});
+  std::vector<DepthFrame> frames;
+  for (int64_t i = 0; i < config_.frames; ++i) frames.push_back(camera.Render(bed, stream_));
+  return ScanDepth(frames, cell_.camera, config,
+                   {.box_size_m = Eigen::Vector2d(bed.width_m(), bed.depth_m()), .X_BC = X_BC});
 }
 
 }  // namespace sandwright

@@ -1,51 +1,57 @@
-// A rig without hardware: the MuJoCo arm, a sand model as the world, a depth camera above the box.
+// A rig without hardware: the MuJoCo arm, a sand model as the world, a depth camera on the flange.
 #pragma once
 
+#include <filesystem>
+
 #include "data/base/random.h"
-#include "data/scan.h"
 #include "env/depth_camera.h"
 #include "env/sand_model.h"
 #include "env/simulated_arm.h"
+#include "robot_model/rig.h"
+#include "robot_model/workcell.h"
 
 namespace sandwright {
 
 struct SimulatedRigConfig {
-  double camera_height_m = 1.20;  // straight above the middle of the box
-  int64_t frames = 4;             // fused for a scan
-  CameraModel camera;
+  int64_t frames = 4;  // fused for a scan
   SimulatedArmConfig arm;
 
   void Fields(FieldList& f) {
-    f.Add("camera_height_m", camera_height_m, "camera above the box floor, over its middle [m]",
-          0.5, 4);
     f.Add("frames", frames, "depth frames that one scan fuses", 1, 100);
-    f.Section("camera", camera);
     f.Section("arm", arm);
   }
 };
 
 // Holds the true state of the bed, which only its camera shows.
-class SimulatedRig {
+class SimulatedRig final : public Rig {
  public:
-  // `world` must outlive the rig; `truth` covers the workcell's box, datum floor.
+  // `world` must outlive the rig; `truth` covers the workcell's box, datum floor. The arm begins at
+  // home. With a `bed_file` the bed is kept there after each stroke, as a real one outlives the program.
   SimulatedRig(const Workcell& workcell, const SandModel& world, HeightMap truth,
-               const SimulatedRigConfig& config, RandomStream stream);
+               const SimulatedRigConfig& config, RandomStream stream,
+               std::filesystem::path bed_file = {});
 
-  // Looks at the bed with the camera's known pose. Throws Error
-  // (kRefused) where the scan is refused.
-  HeightMap Scan(const ScanConfig& config);
+  std::string name() const override { return "simulated"; }
+  JointAngles Joints() override { return joints_; }
   // The arm follows the motion and the sand gives way to where the blade really went.
-  ExecutedStroke Execute(const StrokeMotion& motion);
+  Execution Execute(const GatedMotion& motion, const ExecuteOptions& options = {}) override;
+  // The camera's pose is the one that the workcell's kinematics give for the joints.
+  ScanResult Scan(const ScanConfig& config) override;
 
   const HeightMap& truth() const { return sand_.map(); }
+  // Where the blade went in the last stroke; empty before.
+  const ToolPath& last_path() const { return path_; }
 
  private:
+  Workcell cell_;
   const SandModel& world_;
   SandState sand_;
   SimulatedRigConfig config_;
   SimulatedArm arm_;
-  Eigen::Isometry3d X_BC_;
   RandomStream stream_;
+  std::filesystem::path bed_file_;
+  JointAngles joints_;
+  ToolPath path_;
 };
 
 }  // namespace sandwright

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -64,10 +65,43 @@ void AddBoxOnTable(mjsBody* world, const Workcell& cell) {
           {box.pedestal_radius_m, post / 2, 0}, kDark);
 }
 
-void AddTool(mjsBody* flange, const ToolSettings& tool) {
+constexpr const char* kLinks[6] = {"shoulder_link", "upper_arm_link", "forearm_link",
+                                   "wrist_1_link",  "wrist_2_link",   "wrist_3_link"};
+
+Eigen::Isometry3d AlongZ(double z_m) {
+  return Eigen::Isometry3d(Eigen::Translation3d(0, 0, z_m));
+}
+
+// Puts the links where the arm's own parameters say; X_LF of the flange in the last link.
+//
+// A link's frame may lie anywhere on its joint's axis. Calibrated axes 2 to 4 are not quite
+// parallel, so their common normals, and with them d2 and d3, can be hundreds of metres away and
+// cancel; the frames are put where the nominal arm has them, so that the capsules stay on the arm.
+Eigen::Isometry3d PlaceLinks(mjSpec* spec, const DhParameters& dh) {
+  const auto step = [&](size_t i) {
+    return Eigen::Isometry3d(Eigen::AngleAxisd(dh.theta_rad[i], Eigen::Vector3d::UnitZ()) *
+                             Eigen::Translation3d(dh.a_m[i], 0, dh.d_m[i]) *
+                             Eigen::AngleAxisd(dh.alpha_rad[i], Eigen::Vector3d::UnitX()));
+  };
+  const DhParameters nominal;
+  // Where on its axis each frame lies, from the origin of the Denavit-Hartenberg frame before it.
+  std::array<double, 6> along = {dh.d_m[0], 0, 0, 0, dh.d_m[4], dh.d_m[5]};
+  along[2] = -dh.d_m[1] / std::cos(dh.alpha_rad[1]);
+  along[3] = (nominal.d_m[3] + along[2] - dh.d_m[2]) / std::cos(dh.alpha_rad[2]);
+  Eigen::Isometry3d X = AlongZ(along[0]);
+  for (size_t i = 0; i < 6; ++i) {
+    mjsBody* link = mjs_findBody(spec, kLinks[i]);
+    Place(X, link->pos, link->quat);
+    X = AlongZ(-along[i]) * step(i) * AlongZ(i < 5 ? along[i + 1] : 0);
+  }
+  return X;
+}
+
+// `X_LF`: the flange in the body that carries the tool.
+void AddTool(mjsBody* link, const Eigen::Isometry3d& X_LF, const ToolSettings& tool) {
   const Eigen::Isometry3d X_FT = tool.X_FT.ToIsometry(), X_FC = tool.X_FC.ToIsometry();
   const double plate = tool.blade_height_m;
-  AddGeom(flange, "blade", mjGEOM_BOX, X_FT * Eigen::Translation3d(0, 0, -plate / 2),
+  AddGeom(link, "blade", mjGEOM_BOX, X_LF * X_FT * Eigen::Translation3d(0, 0, -plate / 2),
           {tool.blade.thickness_m / 2, tool.blade.width_m / 2, plate / 2}, kSteel);
   const Eigen::Vector3d top = X_FT * Eigen::Vector3d(0, 0, -plate);  // of the plate, in F
   const double length = std::max(top.norm(), 1e-3);
@@ -75,8 +109,8 @@ void AddTool(mjsBody* flange, const ToolSettings& tool) {
   X_FH.linear() =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), top / length).toRotationMatrix();
   X_FH.translation() = top / 2;
-  AddGeom(flange, "holder", mjGEOM_CYLINDER, X_FH, {tool.holder_radius_m, length / 2, 0}, kSteel);
-  AddGeom(flange, "camera", mjGEOM_BOX, X_FC,
+  AddGeom(link, "holder", mjGEOM_CYLINDER, X_LF * X_FH, {tool.holder_radius_m, length / 2, 0}, kSteel);
+  AddGeom(link, "camera", mjGEOM_BOX, X_LF * X_FC,
           0.5 * Eigen::Map<const Eigen::Vector3d>(tool.camera_body_m.data()), kDark);
   // The bracket that carries the camera.
   const Eigen::Vector3d camera = X_FC.translation();
@@ -84,12 +118,12 @@ void AddTool(mjsBody* flange, const ToolSettings& tool) {
   X_FK.linear() =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), camera).toRotationMatrix();
   X_FK.translation() = camera / 2;
-  AddGeom(flange, "bracket", mjGEOM_CAPSULE, X_FK, {0.008, std::max(camera.norm() / 2, 1e-3), 0},
+  AddGeom(link, "bracket", mjGEOM_CAPSULE, X_LF * X_FK, {0.008, std::max(camera.norm() / 2, 1e-3), 0},
           kSteel);
   const auto site = [&](const char* name, const Eigen::Isometry3d& X) {
-    mjsSite* added = mjs_addSite(flange, nullptr);
+    mjsSite* added = mjs_addSite(link, nullptr);
     mjs_setName(added->element, name);
-    Place(X, added->pos, added->quat);
+    Place(X_LF * X, added->pos, added->quat);
     added->size[0] = 1e-3;
     added->group = 5;  // not drawn
   };
@@ -149,7 +183,8 @@ MujocoModel MakeArmModel(const Workcell& workcell, const HeightMap* terrain) {
   spec->memory = 1 << 16;  // no contacts, no dynamics: one mjData a thread stays small
   mjsBody* world = mjs_findBody(spec.get(), "world");
   AddBoxOnTable(world, workcell);
-  AddTool(mjs_findBody(spec.get(), "wrist_3_link"), workcell.tool);
+  const Eigen::Isometry3d X_LF = PlaceLinks(spec.get(), workcell.kinematics);
+  AddTool(mjs_findBody(spec.get(), kLinks[5]), X_LF, workcell.tool);
   if (terrain) {
     spec->memory = 1 << 24;
     AddSand(spec.get(), world, workcell, *terrain);

@@ -10,6 +10,9 @@
 
 namespace sandwright {
 
+// At which a buried blade is lifted.
+inline constexpr double kLiftSpeed_mps = 0.02;
+
 // A motion of the whole arm that the gate has checked from its first to its last knot. Only
 // SafetyGate makes one, so that whatever takes a GatedMotion cannot be given anything else.
 class GatedMotion {
@@ -29,9 +32,9 @@ class GatedMotion {
     return static_cast<double>(knots_.size() - 1) * StrokeMotion::kPeriod_s;
   }
 
-  // kStroke only (SAND_CHECK).
-  const Stroke& stroke() const;
-  const StrokeMotion& stroke_motion() const;
+  // kStroke only.
+  const Stroke& stroke() const { return stroke_.value(); }
+  const StrokeMotion& stroke_motion() const { return motion_.value(); }
   // The knot at which stroke_motion() begins.
   size_t stroke_begin() const { return knots_.size() - stroke_motion().knots.size(); }
 

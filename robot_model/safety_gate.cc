@@ -378,18 +378,22 @@ GateVerdict SafetyGate::Check(const Stroke& stroke, const HeightMap& terrain, Ga
   return verdict;
 }
 
+TransferVerdict SafetyGate::CheckKnots(std::vector<JointAngles> knots, double sand_top_m) const {
+  ClearanceModel::Lease lease(impl_->clearance);
+  TransferVerdict verdict;
+  verdict.reasons = impl_->TryFine(knots, sand_top_m, lease).reasons;
+  verdict.accepted = verdict.reasons.empty();
+  if (verdict.accepted) verdict.knots = std::move(knots);
+  return verdict;
+}
+
 TransferVerdict SafetyGate::CheckTransfer(const JointAngles& from, const JointAngles& to,
                                           const HeightMap& terrain) const {
   TransferVerdict verdict;
   impl_->CheckTerrain(terrain, verdict.reasons);
-  std::vector<JointAngles> knots = TransferKnots(from, to, impl_->cell.motion);
-  const float top = std::ranges::max(terrain.height_m);
-  ClearanceModel::Lease lease(impl_->clearance);
-  const ArmFigures figures = impl_->TryFine(knots, top, lease);
-  verdict.reasons.insert(verdict.reasons.end(), figures.reasons.begin(), figures.reasons.end());
-  verdict.accepted = verdict.reasons.empty();
-  if (verdict.accepted) verdict.knots = std::move(knots);
-  return verdict;
+  if (!verdict.reasons.empty()) return verdict;
+  return CheckKnots(TransferKnots(from, to, impl_->cell.motion),
+                    std::ranges::max(terrain.height_m));
 }
 
 }  // namespace sandwright

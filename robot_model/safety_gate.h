@@ -9,6 +9,7 @@
 
 #include "data/height_map.h"
 #include "data/stroke.h"
+#include "robot_model/gated_motion.h"
 #include "robot_model/reach_map.h"
 #include "robot_model/stroke_motion.h"
 #include "robot_model/workcell.h"
@@ -60,6 +61,16 @@ class SafetyGate {
   TransferVerdict CheckTransfer(const JointAngles& from, const JointAngles& to,
                                 const HeightMap& terrain) const;
 
+  // The three ways to a motion that an arm may execute, from where it stands (robot_model/passage.cc);
+  // all in the fine sampling, with the gate's limits from the first knot to the last.
+  // A transfer to the stroke's entry, then the stroke.
+  Passage PassStroke(const Stroke& stroke, const HeightMap& terrain, const JointAngles& from) const;
+  Passage PassTransfer(const JointAngles& to, const HeightMap& terrain,
+                       const JointAngles& from) const;
+  // The blade straight up, as it stands, to the retreat height, at kLiftSpeed_mps. The way out of
+  // sand: how near the sand is does not count.
+  Passage PassLift(const JointAngles& from) const;
+
   // Where strokes can start: measured when first asked for (a second or two for a large box), then kept.
   const ReachMap& reach() const;
 
@@ -67,6 +78,9 @@ class SafetyGate {
   const BladeKinematics& kinematics() const;
 
  private:
+  // Limits and distances of knots at 125 Hz above sand of that height.
+  TransferVerdict CheckKnots(std::vector<JointAngles> knots, double sand_top_m) const;
+
   struct Impl;
   std::unique_ptr<const Impl> impl_;
 };

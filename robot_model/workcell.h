@@ -9,6 +9,7 @@
 #include "data/base/config.h"
 #include "data/camera.h"
 #include "data/stroke.h"
+#include "robot_model/camera_source.h"
 #include "robot_model/ur10.h"
 
 namespace sandwright {
@@ -107,6 +108,16 @@ struct MotionSettings {
   void Fields(FieldList& f);
 };
 
+// What looks along z of C, and how its frames are had.
+struct CellCamera : CameraModel {
+  CameraSource source;
+
+  void Fields(FieldList& f) {
+    CameraModel::Fields(f);
+    f.Section("source", source);
+  }
+};
+
 struct Workcell {
   std::string name = "workcell";
   PoseSetting X_WB{{-0.600, 0.300, -0.180}, {0, 0, 0}};
@@ -114,7 +125,7 @@ struct Workcell {
   ToolSettings tool;
   MotionLimits limits;
   MotionSettings motion;
-  CameraModel camera;       // what looks along z of C
+  CellCamera camera;
   DhParameters kinematics;  // nominal, or read from the controller
   std::vector<double> home_joints_rad = {-1.8476, -1.6540, 2.1158,
                                          -2.0326, -1.5708, -1.8476};  // parked

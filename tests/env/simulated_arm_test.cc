@@ -13,6 +13,11 @@ namespace {
 
 class Arm : public ::testing::Test {
  protected:
+  ToolPath PathOf(const SimulatedArm& arm, RandomStream& random) const {
+    return ExecutedPath(arm.Follow(motion_.knots, random), motion_, motion_.knots,
+                        [&](const JointAngles& q) { return arm.BladeInBox(q); });
+  }
+
   Workcell cell_;
   HeightMap terrain_{80, 120, 0.01, 0.05f};
   Stroke stroke_ = TypicalStroke(0.6, 0.4, 0.0);
@@ -22,16 +27,16 @@ class Arm : public ::testing::Test {
 TEST_F(Arm, PerfectServoTracesTheStroke) {
   const SimulatedArm arm(cell_, {.servo_lag_s = 0, .wander_rad = 0});
   RandomStream random(1);
-  const ExecutedStroke done = arm.Execute(motion_, random);
-  EXPECT_NEAR(done.path.front().x_m, 0.54, 1e-9);
-  EXPECT_NEAR(done.path.back().x_m, 0.66, 1e-9);
-  for (const BladePose& pose : done.path) {
+  const ToolPath path = PathOf(arm, random);
+  EXPECT_NEAR(path.front().x_m, 0.54, 1e-9);
+  EXPECT_NEAR(path.back().x_m, 0.66, 1e-9);
+  for (const BladePose& pose : path) {
     EXPECT_NEAR(pose.y_m, 0.4, 1e-6);
     EXPECT_NEAR(pose.z_m, 0.02, 1e-6);
     EXPECT_NEAR(pose.yaw_rad, 0, 1e-6);
   }
-  for (size_t i = 1; i < done.path.size(); ++i)
-    EXPECT_LT(done.path[i].x_m - done.path[i - 1].x_m, 2e-3);
+  for (size_t i = 1; i < path.size(); ++i)
+    EXPECT_LT(path[i].x_m - path[i - 1].x_m, 2e-3);
 }
 
 TEST_F(Arm, DefaultsStrayByAboutATenthOfAMillimetre) {
@@ -39,7 +44,7 @@ TEST_F(Arm, DefaultsStrayByAboutATenthOfAMillimetre) {
   double worst = 0;
   for (uint64_t seed = 0; seed < 10; ++seed) {
     RandomStream random(seed);
-    for (const BladePose& pose : arm.Execute(motion_, random).path)
+    for (const BladePose& pose : PathOf(arm, random))
       worst = std::max({worst, std::abs(pose.y_m - 0.4), std::abs(pose.z_m - 0.02)});
   }
   EXPECT_GT(worst, 0.02e-3);
@@ -49,11 +54,10 @@ TEST_F(Arm, DefaultsStrayByAboutATenthOfAMillimetre) {
 TEST_F(Arm, SameSeedSameBytesOtherSeedOther) {
   const SimulatedArm arm(cell_);
   RandomStream a(1), b(1), c(2);
-  const auto first = arm.Execute(motion_, a), second = arm.Execute(motion_, b),
-             third = arm.Execute(motion_, c);
-  ASSERT_EQ(first.path.size(), second.path.size());
-  for (size_t i = 0; i < first.path.size(); ++i) EXPECT_EQ(first.path[i].y_m, second.path[i].y_m);
-  EXPECT_NE(first.path[5].y_m, third.path[5].y_m);
+  const ToolPath first = PathOf(arm, a), second = PathOf(arm, b), third = PathOf(arm, c);
+  ASSERT_EQ(first.size(), second.size());
+  for (size_t i = 0; i < first.size(); ++i) EXPECT_EQ(first[i].y_m, second[i].y_m);
+  EXPECT_NE(first[5].y_m, third[5].y_m);
 }
 
 TEST_F(Arm, RecordCoversTheMotionAndComesToRest) {
@@ -65,6 +69,16 @@ TEST_F(Arm, RecordCoversTheMotionAndComesToRest) {
   EXPECT_EQ(record.speed_radps.size(), record.size());
   EXPECT_LT((record.measured.back().rad - motion_.knots.back().rad).norm(), 1e-3);
   EXPECT_NEAR(record.time_s[1], 0.008, 1e-12);
+}
+
+TEST_F(Arm, HalfTheSpeedTakesTwiceTheTime) {
+  const SimulatedArm arm(cell_, {.servo_lag_s = 0, .wander_rad = 0});
+  RandomStream random(3);
+  const ArmRecord full = arm.Follow(motion_.knots, random),
+                  half = arm.Follow(motion_.knots, random, 0.5);
+  EXPECT_EQ(half.size(), 2 * full.size() - 1);
+  for (size_t i = 0; i < full.size(); ++i)
+    EXPECT_EQ(half.measured[2 * i].rad, full.measured[i].rad);
 }
 
 TEST_F(Arm, PictureShowsSandAndArmWhereTheMachineCanDraw) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "data/base/random.h"
 
 namespace sandwright {
@@ -40,6 +42,31 @@ TEST(ArmModel, BladeAndCameraSitWhereTheCellSays) {
   const Eigen::Isometry3d X_WF = Ur10().Forward(q);
   for (const auto& [site, pose] : {std::pair{"T", cell.tool.X_FT}, std::pair{"C", cell.tool.X_FC}})
     EXPECT_TRUE(SitePose(*model, *data, site).isApprox(X_WF * pose.ToIsometry(), 1e-12)) << site;
+}
+
+// A factory calibration with its cancelling pair: the blade is where the calibrated arm has it, and
+// the links, on which the capsules sit, stay within millimetres of the nominal arm's.
+TEST(ArmModel, FollowsACalibrationAndKeepsItsLinksOnTheArm) {
+  Workcell cell;
+  constexpr double kPi = std::numbers::pi;
+  cell.kinematics.theta_rad = {1e-4, -3e-3, 2e-3, 1e-3, -4e-4, 2e-4};
+  cell.kinematics.a_m = {2e-4, -0.6125, -0.5718, -1e-4, 5e-5, 1e-4};
+  cell.kinematics.d_m = {0.1279, 303.1, -310.2, 7.1 + 0.163941 - 4e-4, 0.1159, 0.0919};
+  cell.kinematics.alpha_rad = {kPi / 2 + 4e-4, 1e-5, -2e-5, kPi / 2 - 3e-4, -kPi / 2 + 2e-4, 1e-4};
+  const MujocoModel model = MakeArmModel(cell), nominal_model = MakeArmModel(Workcell{});
+  const MujocoData data = MakeArmData(*model), nominal_data = MakeArmData(*nominal_model);
+  const Ur10 arm(cell.kinematics);
+  RandomStream random(6);
+  for (int sample = 0; sample < 500; ++sample) {
+    JointAngles q;
+    for (double& angle : q.rad) angle = random.Uniform(-6.28, 6.28);
+    SetJoints(*model, q, *data);
+    SetJoints(*nominal_model, q, *nominal_data);
+    const Eigen::Isometry3d X_WT = arm.Forward(q) * cell.tool.X_FT.ToIsometry();
+    EXPECT_TRUE(SitePose(*model, *data, "T").isApprox(X_WT, 1e-11));
+    for (int i = 0; i < 3 * nominal_model->nbody; ++i)
+      EXPECT_NEAR(data->xpos[i], nominal_data->xpos[i], 0.02);
+  }
 }
 
 TEST(ArmModel, CarriesTheSandForPictures) {

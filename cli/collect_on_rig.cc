@@ -1,0 +1,43 @@
+#include "cli/collect_on_rig.h"
+
+#include "data/base/error.h"
+#include "data/shipped.h"
+
+namespace sandwright {
+namespace {
+
+namespace fs = std::filesystem;
+
+int StrokesOnFile(const fs::path& log) {
+  const fs::path file = log / "strokes.h5";
+  return fs::exists(file) ? static_cast<int>(ReadStrokeFile(file).strokes.size()) : 0;
+}
+
+}  // namespace
+
+Deployment CollectOnRig(DeployRequest request, DeploySettings settings,
+                        const CollectConfig& config) {
+  const fs::path folder = request.log;
+  if (request.workcell.empty()) request.workcell = ShippedConfig("workcell.yaml").string();
+  request.mode = "run";
+  request.resume = fs::exists(folder / "events.jsonl");
+  request.max_strokes -= StrokesOnFile(folder);
+  if (request.max_strokes <= 0) return {.end = "done", .reason = "", .ok = true};
+  settings.excavation = config.excavation;
+  settings.deployment.scan.cell_size_m = config.cell_size_m;
+  const fs::path bed = folder / "terrain.h5";
+  request.terrain = bed.string();
+  if (request.arm == "simulated" && !fs::exists(bed)) {
+    const BoxSettings box = LoadWorkcell(request.workcell).box;
+    RandomStream stream(request.seed, StreamId("bed"));
+    fs::create_directories(folder);
+    WriteHeightMap(GenerateTerrain(config.terrain,
+                                   WholeCells(box.depth_m, config.cell_size_m, "cell_size_m"),
+                                   WholeCells(box.width_m, config.cell_size_m, "cell_size_m"),
+                                   config.cell_size_m, stream),
+                   bed);
+  }
+  return RunDeploy(request, settings);
+}
+
+}  // namespace sandwright

@@ -1,0 +1,119 @@
+// The log of a rig is on disk before the arm moves, and survives whatever comes.
+#include "robot_model/rig_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <fstream>
+
+#include "data/base/atomic_file.h"
+#include "data/base/error.h"
+#include "robot_model/safety_gate.h"
+#include "tests/support/random_strokes.h"
+
+namespace sandwright {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Counts what reaches the arm.
+class CountingRig final : public Rig {
+ public:
+  std::string name() const override { return "counting"; }
+  JointAngles Joints() override { return Workcell{}.home(); }
+  Execution Execute(const GatedMotion& motion, const ExecuteOptions&) override {
+    ++moved;
+    ArmRecord record;
+    record.time_s = {0};
+    record.commanded = record.measured = {motion.end()};
+    record.speed_radps = {Vector6::Zero()};
+    return {.finished = true, .end = "finished", .record = record};
+  }
+  ScanResult Scan(const ScanConfig&) override {
+    ScanResult dark;
+    dark.reasons = {"dark"};
+    return dark;
+  }
+  int moved = 0;
+};
+
+class Log : public ::testing::Test {
+ protected:
+  Log() { fs::remove_all("log"); }
+  GatedMotion Motion() const {
+    return *gate_.PassTransfer(cell_.camera_pose(), terrain_, cell_.home()).motion;
+  }
+
+  Workcell cell_;
+  HeightMap terrain_{80, 120, 0.01, 0.05f};
+  SafetyGate gate_{cell_};
+  CountingRig rig_;
+};
+
+TEST_F(Log, TellsTheIntentionAndTheOutcome) {
+  RigLog log("log", false);
+  LoggedRig logged(rig_, log);
+  EXPECT_TRUE(logged.Execute(Motion(), {}).finished);
+  EXPECT_FALSE(logged.Scan({}).accepted);
+  const auto events = RigLog::ReadEvents("log");
+  ASSERT_EQ(events.size(), 3u);
+  EXPECT_EQ(events[0]["event"], "motion");
+  EXPECT_EQ(events[0]["kind"], "transfer");
+  EXPECT_EQ(events[1]["event"], "moved");
+  EXPECT_EQ(events[1]["end"], "finished");
+  EXPECT_EQ(events[2]["reasons"][0], "dark");
+  EXPECT_THAT(ReadFile("log/" + events[1]["file"].get<std::string>()),
+              ::testing::StartsWith("time_s,commanded_1_rad"));
+}
+
+TEST_F(Log, FullDiskStopsBeforeTheArmMoves) {
+  RigLog log("log", false);
+  LoggedRig logged(rig_, log);
+  log.Add("begin");
+  signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  rlimit full = before;
+  full.rlim_cur = fs::file_size("log/events.jsonl") + 10;
+  setrlimit(RLIMIT_FSIZE, &full);
+  EXPECT_THROW(logged.Execute(Motion(), {}), Error);
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(rig_.moved, 0);
+}
+
+TEST_F(Log, HalfALineIsDroppedAndGoneOnFrom) {
+  { RigLog("log", false).Add("begin", {{"arm", "simulated"}}); }
+  std::ofstream("log/events.jsonl", std::ios::app) << "{\"event\":\"mot";
+  EXPECT_EQ(RigLog::ReadEvents("log").size(), 1u);
+  { RigLog("log", true).Add("resume"); }
+  const auto events = RigLog::ReadEvents("log");
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[1]["event"], "resume");
+}
+
+TEST_F(Log, KeepsStrokesAsData) {
+  RigLog log("log", false);
+  StrokeRecord record;
+  record.before = record.after = terrain_;
+  record.stroke = TypicalStroke(0.6, 0.4, 0);
+  record.path = SamplePath(record.stroke, 0.005);
+  for (int i = 0; i < 2; ++i) log.AddStroke({"rig", "a bed", 0, "{}", {}, {}}, record);
+  const StrokeFile file = ReadStrokeFile("log/strokes.h5");
+  ASSERT_EQ(file.strokes.size(), 2u);
+  EXPECT_EQ(file.strokes[1].step, 1);
+  EXPECT_TRUE(file.strokes[1].time.has_value());
+}
+
+TEST_F(Log, FolderInTheOtherStateIsRefused) {
+  EXPECT_THROW(RigLog("log", true), Error);
+  { RigLog log("log", false); log.Add("begin"); }
+  EXPECT_THROW(RigLog("log", false), Error);
+  EXPECT_THROW(RigLog::ReadEvents("nowhere"), Error);
+  WriteFileAtomically("log/events.jsonl", "no event\n{}\n");
+  EXPECT_THROW(RigLog::ReadEvents("log"), Error);
+}
+
+}  // namespace
+}  // namespace sandwright
