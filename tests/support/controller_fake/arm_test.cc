@@ -96,7 +96,8 @@ TEST_F(Arm, SliderStretchesTime) {
   core_.SetSlider(0.3);
   ASSERT_TRUE(RunToEnd(core_, "def one():\n  movej([0, -1.5, 1.5, 0, 0, 0], t=3)\nend\n"));
   EXPECT_NEAR(static_cast<double>(core_.trace().size()) * kControlPeriod_s, 10, 0.05);
-  EXPECT_EQ(core_.state().speed_scaling, 0.3);
+  EXPECT_EQ(core_.state().speed_slider, 0.3);
+  EXPECT_EQ(core_.state().speed_scaling, 1);
 }
 
 TEST_F(Arm, StopsComeToRestOnThePathAndGoOnThere) {

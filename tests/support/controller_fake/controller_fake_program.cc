@@ -103,7 +103,7 @@ void ReadCommands(ControllerFake& fake) {
 int Main(int argc, char** argv) {
   ControllerFakeOptions options;
   options.ports = ControllerPorts::Standard();
-  bool keep = false, off = false;
+  bool keep = false, off = false, lenient = false;
   CLI::App app("A stand-in for a UR10 CB3 controller.");
   app.add_option("--address", options.address, "to listen on");
   app.add_option("--dashboard", options.ports.dashboard, "port; 0: any");
@@ -114,9 +114,11 @@ int Main(int argc, char** argv) {
   app.add_option("--time-factor", options.time_factor, "controller seconds a second")
       ->check(CLI::Range(0.01, 100.0));
   app.add_flag("--off", off, "start with the arm powered off");
+  app.add_flag("--lenient", lenient, "take scripts that break the manual's rules of layout");
   app.add_flag("--keep", keep, "go on when the standard input ends");
   CLI11_PARSE(app, argc, argv);
   options.powered = !off;
+  options.strict_scripts = !lenient;
 
   ControllerFake fake(options);
   const ControllerPorts& ports = fake.ports();

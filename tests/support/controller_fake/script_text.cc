@@ -23,7 +23,7 @@ bool SaysNothing(const std::string& line) {
 
 }  // namespace
 
-std::optional<ScriptFault> FindLayoutFault(const std::string& text) {
+std::optional<ScriptFault> FindLayoutFault(const std::string& text, bool strict) {
   std::istringstream lines(text);
   std::string line;
   bool ended = false;
@@ -44,7 +44,7 @@ std::optional<ScriptFault> FindLayoutFault(const std::string& text) {
       return ScriptFault{number, 1, "syntax error: text behind the program's end"};
     } else if (IsEnd(line)) {
       ended = true;
-    } else if (!SaysNothing(line) && line[0] != ' ' && line[0] != '\t') {
+    } else if (strict && !SaysNothing(line) && line[0] != ' ' && line[0] != '\t') {
       return ScriptFault{number, 1, "syntax error: line is not indented"};
     }
   }
