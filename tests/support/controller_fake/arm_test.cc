@@ -19,8 +19,8 @@ Extremes Measure(const std::vector<TracePoint>& trace) {
   for (size_t i = 1; i < trace.size(); ++i) {
     const Vector6 speed = (trace[i].q.rad - trace[i - 1].q.rad) / kControlPeriod_s;
     extremes.speed_radps = extremes.speed_radps.cwiseMax(speed.cwiseAbs());
-    extremes.acceleration_radps2 =
-        std::max(extremes.acceleration_radps2, (speed - last).cwiseAbs().maxCoeff() / kControlPeriod_s);
+    const double acceleration = (speed - last).cwiseAbs().maxCoeff() / kControlPeriod_s;
+    extremes.acceleration_radps2 = std::max(extremes.acceleration_radps2, acceleration);
     last = speed;
   }
   return extremes;

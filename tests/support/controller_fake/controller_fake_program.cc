@@ -36,12 +36,14 @@ void PrintStatus(ControllerFake& fake) {
 
 // Writes time and joints of the program, a line each 8 ms.
 void PrintTrace(ControllerFake& fake) {
+  const auto digits = std::cout.precision(12);
   for (const fake::TracePoint& point : fake.trace()) {
     std::cout << "trace " << point.time_s;
     for (int i = 0; i < 6; ++i) std::cout << ' ' << point.q[i];
     std::cout << '\n';
   }
   std::cout << "trace end" << std::endl;
+  std::cout.precision(digits);
 }
 
 void PrintLists(ControllerFake& fake) {

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <iostream>
 
 #include "robot_model/plan.h"
 #include "robot_model/urscript.h"
@@ -12,6 +11,7 @@ namespace sandwright {
 namespace {
 
 constexpr double kMostStray_m = 0.3e-3;
+constexpr double kAtTheEnd_m = 2e-5;  // poses in the program have five decimals
 
 std::vector<Stroke> AllKinds() {
   return {
@@ -50,17 +50,18 @@ struct Stray {
 Stray Compare(const std::vector<Eigen::Vector3d>& drawn, size_t begin,
               const std::vector<Eigen::Vector3d>& planned) {
   const auto first = std::find_if(drawn.begin() + begin, drawn.end(), [&](const auto& p) {
-    return (p - planned.front()).norm() < kMostStray_m;
+    return (p - planned.front()).norm() < kAtTheEnd_m;
   });
   const auto last = std::find_if(first, drawn.end(), [&](const auto& p) {
-    return (p - planned.back()).norm() < 1e-5;
+    return (p - planned.back()).norm() < kAtTheEnd_m;
   });
   EXPECT_TRUE(first != drawn.end() && last != drawn.end());
   if (last == drawn.end()) return {1, 1, drawn.size()};
   const std::vector<Eigen::Vector3d> path(first, last + 1);
   Stray stray;
   for (const auto& p : path) stray.drawn_m = std::max(stray.drawn_m, DistanceToLine(p, planned));
-  for (const auto& p : planned) stray.planned_m = std::max(stray.planned_m, DistanceToLine(p, path));
+  for (const auto& p : planned)
+    stray.planned_m = std::max(stray.planned_m, DistanceToLine(p, path));
   stray.end = last - drawn.begin();
   return stray;
 }
@@ -93,8 +94,6 @@ void ExpectPlannedPaths(const Workcell& cell) {
     const Stray stray = Compare(drawn, at, planned);
     EXPECT_LE(stray.drawn_m, kMostStray_m) << "stroke " << i;
     EXPECT_LE(stray.planned_m, kMostStray_m) << "stroke " << i;
-    std::cout << "stroke " << i << ": " << stray.drawn_m * 1e3 << " mm, back "
-              << stray.planned_m * 1e3 << " mm\n";
     at = stray.end;
   }
   EXPECT_LT((core.state().q.rad - cell.home().rad).norm(), 1e-5);

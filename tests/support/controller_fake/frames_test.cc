@@ -6,8 +6,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <map>
 #include <string>
+#include <thread>
 
 #include "tests/support/controller_fake/byte_packing.h"
 #include "tests/support/controller_fake/controller_fake.h"
@@ -29,7 +32,8 @@ std::string Bytes(std::initializer_list<int> bytes) {
 // A client that knows only sockets.
 class Peer {
  public:
-  explicit Peer(uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  explicit Peer(uint16_t port, int buffer = 0) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    if (buffer > 0) setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer);
     sockaddr_in where{};
     where.sin_family = AF_INET;
     where.sin_port = htons(port);
@@ -166,9 +170,53 @@ TEST_F(Frames, RtdeOfSplitAndCoalescedBytesIsTheSame) {
     const std::string data = rtde_.RtdeFrame('U');
     ByteReader reader(std::string_view(data).substr(4));
     const double time = reader.F64();
-    if (i > 0) EXPECT_NEAR(time - last, 0.008, 1e-6);
+    if (i > 0) {
+      EXPECT_NEAR(time - last, 0.008, 1e-6);
+    }
     last = time;
   }
+}
+
+TEST_F(Frames, RtdeStallsAndComesBack) {
+  rtde_.Send(Bytes({0, 5, 'V', 0, 2}) + Outputs(125, "timestamp") + Bytes({0, 3, 'S'}));
+  const auto time = [&] {
+    const std::string data = rtde_.RtdeFrame('U');
+    return ByteReader(std::string_view(data).substr(4)).F64();
+  };
+  double last = time(), longest = 0;
+  fake_.StallRtde(0.3);
+  for (int i = 0; i < 30; ++i) {
+    const double now = time();
+    longest = std::max(longest, now - last);
+    last = now;
+  }
+  EXPECT_GT(longest, 0.2);
+}
+
+TEST_F(Frames, ClosedConnectionsAndClientsThatDoNotRead) {
+  rtde_.Send(Bytes({0, 3, 'v'}));
+  EXPECT_EQ(rtde_.RtdeFrame().size(), 19u);
+  fake_.CloseConnections(false);
+  EXPECT_EQ(rtde_.Read(1), "");
+
+  ControllerFakeOptions fast;
+  fast.time_factor = 20;
+  ControllerFake other(fast);
+  Peer lazy(other.ports().rtde, 4096);
+  std::string names;
+  for (const char* side : {"target", "actual"})
+    for (const char* what : {"_q", "_qd", "_current", "_TCP_pose", "_TCP_speed"})
+      names += std::string(side) + what + ",";
+  lazy.Send(Bytes({0, 5, 'V', 0, 2}) + Outputs(125, names) + Bytes({0, 3, 'S'}));
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  uint64_t sent = 0;
+  for (bool grows = true; grows && std::chrono::steady_clock::now() < end;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    const uint64_t now = other.rtde_frames_sent();
+    grows = now == 0 || now > sent;
+    sent = now;
+  }
+  EXPECT_LT(std::chrono::steady_clock::now(), end);
 }
 
 TEST(RtdeVariable, FrameOfTheDescription) {
@@ -179,8 +227,8 @@ TEST(RtdeVariable, FrameOfTheDescription) {
   for (const char* name : {"timestamp", "target_speed_fraction"})
     fake::RtdeOutputs().at(name).write(state, body);
   EXPECT_EQ(Frame('U', body.bytes()),
-            Bytes({0, 0x14, 'U', 1, 0x40, 0xd0, 0x07, 0x0d, 0x2f, 0x1a, 0x9f, 0xbe, 0x3f, 0xf0, 0, 0,
-                   0, 0, 0, 0}));
+            Bytes({0, 0x14, 'U', 1, 0x40, 0xd0, 0x07, 0x0d, 0x2f, 0x1a, 0x9f, 0xbe, 0x3f, 0xf0,
+                   0, 0, 0, 0, 0, 0}));
 }
 
 TEST_F(Frames, PrimaryTellsOfPrograms) {

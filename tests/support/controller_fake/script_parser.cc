@@ -268,7 +268,8 @@ class Parser {
 
   // With one number it is no pose, but an element of a variable that is called p.
   static NodePtr ElementOfP(NodePtr node) {
-    auto name = std::make_unique<Node>(Node{Kind::kName, node->line, node->column, "p", {}, {}, {}});
+    auto name =
+        std::make_unique<Node>(Node{Kind::kName, node->line, node->column, "p", {}, {}, {}});
     node->kind = Kind::kIndex;
     node->names.clear();
     node->children.insert(node->children.begin(), std::move(name));

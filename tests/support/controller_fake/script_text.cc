@@ -30,10 +30,11 @@ std::optional<ScriptFault> FindLayoutFault(const std::string& text, bool strict)
   for (int number = 1; std::getline(lines, line); ++number) {
     for (size_t i = 0; i < line.size(); ++i) {
       const auto byte = static_cast<unsigned char>(line[i]);
+      const auto next = i + 1 < line.size() ? static_cast<unsigned char>(line[i + 1]) : 0;
       if ((byte < 0x20 && byte != '\t' && byte != '\r') || byte == 0x7f)
         return ScriptFault{number, static_cast<int>(i) + 1, "control character"};
       // Two bytes of UTF-8 are no character of an eight-bit alphabet.
-      if (byte >= 0xc2 && i + 1 < line.size() && (static_cast<unsigned char>(line[i + 1]) & 0xc0) == 0x80)
+      if (byte >= 0xc2 && (next & 0xc0) == 0x80)
         return ScriptFault{number, static_cast<int>(i) + 1, "not extended ASCII"};
     }
     if (number == 1) {
