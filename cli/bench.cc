@@ -9,6 +9,8 @@
 #include "cli/svg_chart.h"
 #include "data/base/atomic_file.h"
 #include "data/base/progress.h"
+#include "data/picture.h"
+#include "data/shipped.h"
 #include "data/stroke_dataset.h"
 #include "env/env_bench.h"
 #include "env/grain_checks.h"
@@ -17,6 +19,7 @@
 #include "env/reference_bench.h"
 #include "env/sand_bench.h"
 #include "env/stress_rollouts.h"
+#include "robot_model/arm_bench.h"
 
 namespace sandwright {
 namespace {
@@ -36,12 +39,12 @@ class BenchCommand final : public Command {
            "what to measure, one or several: sand; agents (on --tasks); env (the shaping environment, then reference); "
            "reference (Gymnasium's tasks); grains (a check of "
            "the grains, slow) and coarse (coarser grains on --data, slow), which need LAMMPS; hard (random strokes); surrogate "
-           "(rollouts of --model on the worst beds); all")
-        ->check(CLI::IsMember({"sand", "agents", "env", "reference", "grains", "coarse", "hard", "surrogate", "all"}))
+           "(rollouts of --model on the worst beds); arm (kinematics, gate, reach of --workcell); all")
+        ->check(CLI::IsMember({"sand", "agents", "arm", "env", "reference", "grains", "coarse", "hard", "surrogate", "all"}))
         ->capture_default_str();
     app.add_option("--data", data_, "stroke files or folders: errors on recorded strokes too");
     app.add_option("--strokes", strokes_,
-                   "random strokes; suite hard: 100000, surrogate: 1000 where not given; env: of each scene and "
+                   "random strokes; suite arm: 2000, hard: 100000, surrogate: 1000 where not given; env: of each scene and "
                    "world, none where not given")
         ->check(CLI::PositiveNumber);
     app.add_option("--model", bench_.models,
@@ -55,7 +58,9 @@ class BenchCommand final : public Command {
     app.add_option("--world", world_,
                    "sand model that the agents plan with and that executes their strokes")
         ->capture_default_str();
-    app.add_option("--picture", picture_, "speed against error on --data, or of --agents (.svg)");
+    app.add_option("--workcell", workcell_, "of suite arm (default: the shipped one)");
+    app.add_option("--picture", picture_,
+                   "speed against error on --data, or of --agents (.svg); of suite arm: its reach (.png)");
     app.add_option("--with", earlier_,
                    "results of earlier runs (.json): their rows on recorded strokes, or of agents, join "
                    "the picture and the result, for what is slow to measure")
@@ -74,6 +79,7 @@ class BenchCommand final : public Command {
     if (!data_.empty()) bench_.data = FindStrokeFiles(data_);
     if (Wants("sand")) RunSand();
     if (Wants("agents") && (!tasks_file_.empty() || !Wants("all"))) RunAgents();
+    if (Wants("arm")) RunArm();
     if (Wants("env")) RunEnv();
     if (Wants("env") || Wants("reference")) RunReference();
     if (Wants("coarse")) RunCoarse();
@@ -83,7 +89,7 @@ class BenchCommand final : public Command {
       for (const std::string& model : bench_.models) RunSurrogate(model);
     }
     for (const std::string& file : earlier_) TakeRows(file);
-    if (!picture_.empty())
+    if (!picture_.empty() && suites_ != std::vector<std::string>{"arm"})
       WriteFileAtomically(picture_, DrawChartFile(agents_chart_.series.empty() ? SpeedAgainstError()
                                                                                : agents_chart_));
     WriteResult({{"rows", rows_}});
@@ -118,6 +124,19 @@ class BenchCommand final : public Command {
   void RunReference() {
     constexpr double kSeconds = 2;
     RunReferenceBench(kSeconds, [this](const nlohmann::json& row) { Show("reference", row); });
+  }
+
+  void RunArm() {
+    const SafetyGate gate(
+        LoadWorkcell(workcell_.empty() ? ShippedConfig("workcell.yaml").string() : workcell_));
+    ArmBench bench{.seed = seed(), .threads = threads()};
+    bench.strokes = strokes_.value_or(bench.strokes);
+    RunArmBench(gate, bench, [this](const nlohmann::json& row) { Show("arm", row); });
+    const ReachPicture reach = DrawReach(gate, threads());
+    Show("arm", {{"name", "reach"},
+                 {"share_of_box", reach.share_of_box},
+                 {"share_inside_walls", reach.share_inside_walls}});
+    if (!picture_.empty() && suites_.size() == 1) WritePicture(reach.picture, picture_);
   }
 
   void RunAgents() {
@@ -305,7 +324,7 @@ class BenchCommand final : public Command {
   std::vector<std::string> data_;
   std::optional<int64_t> strokes_;
   std::vector<std::string> earlier_;
-  std::string picture_;
+  std::string picture_, workcell_;
   std::optional<double> floor_mm_;
   std::vector<SandBenchRow> strokes_rows_;
   SandBench bench_;

@@ -4,25 +4,13 @@
 #include "data/shipped.h"
 
 namespace sandwright {
-namespace {
-
-namespace fs = std::filesystem;
-
-int StrokesOnFile(const fs::path& log) {
-  const fs::path file = log / "strokes.h5";
-  return fs::exists(file) ? static_cast<int>(ReadStrokeFile(file).strokes.size()) : 0;
-}
-
-}  // namespace
-
 Deployment CollectOnRig(DeployRequest request, DeploySettings settings,
                         const CollectConfig& config) {
+  namespace fs = std::filesystem;
   const fs::path folder = request.log;
   if (request.workcell.empty()) request.workcell = ShippedConfig("workcell.yaml").string();
   request.mode = "run";
   request.resume = fs::exists(folder / "events.jsonl");
-  request.max_strokes -= StrokesOnFile(folder);
-  if (request.max_strokes <= 0) return {.end = "done", .reason = "", .ok = true};
   settings.excavation = config.excavation;
   settings.deployment.scan.cell_size_m = config.cell_size_m;
   const fs::path bed = folder / "terrain.h5";

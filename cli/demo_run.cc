@@ -60,7 +60,7 @@ cv::Mat DrawFrame(const DepthFrame& frame) {
 // The shipped cell with the camera of the frame and a box of the scanned size in front of the arm.
 Workcell CellFor(const HeightMap& terrain, const CameraModel& camera) {
   Workcell cell = LoadWorkcell(ShippedConfig("workcell.yaml"));
-  cell.camera = camera;
+  static_cast<CameraModel&>(cell.camera) = camera;
   cell.box.width_m = terrain.width_m();
   cell.box.depth_m = terrain.depth_m();
   cell.X_WB.translation_m[0] = -terrain.width_m() / 2;

@@ -61,9 +61,15 @@ std::optional<Stroke> DrawAccepted(const ExcavationConfig& config, const SafetyG
   return std::nullopt;
 }
 
-// Strokes already begun, whatever became of them: nothing is sent twice.
-int StrokesBegun(const std::string& log) {
-  const auto events = RigLog::ReadEvents(log);
+// Strokes of a run that is continued. Of a plan or an agent those that were begun, whatever became of
+// them: nothing is sent twice. Of random ones those that are data.
+int StrokesUsed(const DeployRequest& request) {
+  if (!request.resume) return 0;
+  if (request.plan.empty() && request.agent.empty()) {
+    const fs::path file = fs::path(request.log) / "strokes.h5";
+    return fs::exists(file) ? static_cast<int>(ReadStrokeFile(file).strokes.size()) : 0;
+  }
+  const auto events = RigLog::ReadEvents(request.log);
   return static_cast<int>(
       std::ranges::count_if(events, [](const auto& e) { return e["event"] == "choice"; }));
 }
@@ -99,7 +105,7 @@ class DeployRun {
     model_ = LoadSandModel(request.model, settings_.sand);
     job_ = {.mode = request.mode == "dry-run" ? DeployMode::kDryRun : DeployMode::kRun,
             .max_strokes = request.max_strokes,
-            .strokes_used = request.resume ? StrokesBegun(request.log) : 0,
+            .strokes_used = StrokesUsed(request),
             .goal = goal_,
             .success_error_m = settings.episode.success_error_m};
     stream_ = RandomStream(request.seed, StreamId("deploy"), StreamIndex());

@@ -38,7 +38,7 @@ struct DeploySettings {
   ExcavationConfig excavation;  // of random strokes
 
   void Fields(FieldList& f) {
-    deployment.Fields(f);
+    f.Section("deployment", deployment);
     f.Section("rig", rig);
     sand.Fields(f);
     planners.Fields(f);

@@ -38,6 +38,13 @@ Passage SafetyGate::PassTransfer(const JointAngles& to, const HeightMap& terrain
   return {GatedMotion(GatedMotion::Kind::kTransfer, std::move(verdict.knots)), {}};
 }
 
+Passage SafetyGate::PassUnseenTransfer(const JointAngles& to, const JointAngles& from) const {
+  TransferVerdict verdict =
+      CheckKnots(TransferKnots(from, to, workcell().motion), workcell().box.wall_height_m);
+  if (!verdict.accepted) return {std::nullopt, std::move(verdict.reasons)};
+  return {GatedMotion(GatedMotion::Kind::kTransfer, std::move(verdict.knots)), {}};
+}
+
 Passage SafetyGate::PassLift(const JointAngles& from) const {
   const Ur10& arm = kinematics().arm();
   const Eigen::Isometry3d X_WF = arm.Forward(from);

@@ -11,14 +11,6 @@ namespace sandwright {
 namespace {
 
 constexpr double kAtRetreat_m = 0.005;  // how much lower than the retreat height a blade may hang
-constexpr double kUnseenCell_m = 0.05;
-
-// A bed that nobody has looked at: sand up to the walls' rim.
-HeightMap Brimful(const BoxSettings& box) {
-  return {WholeCells(box.depth_m, kUnseenCell_m, "box.depth_m"),
-          WholeCells(box.width_m, kUnseenCell_m, "box.width_m"), kUnseenCell_m,
-          static_cast<float>(box.wall_height_m)};
-}
 
 // The arm may trail the motion in time.
 double Deviation_rad(const ArmRecord& record, const std::vector<JointAngles>& knots) {
@@ -61,8 +53,9 @@ Drive RigDriver::ToCamera() {
     return {.refused = {fmt::format("the blade stands {:.0f} mm below the retreat height: recover first",
                                     1e3 * below_m)},
 };
-  return Execute(gate_.PassTransfer(cell.camera_pose(), latest_ ? *latest_ : Brimful(cell.box), from),
-                 {});
+  const JointAngles to = cell.camera_pose();
+  return Execute(
+      latest_ ? gate_.PassTransfer(to, *latest_, from) : gate_.PassUnseenTransfer(to, from), {});
 }
 
 ScanResult RigDriver::Look() {

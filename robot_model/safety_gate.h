@@ -61,12 +61,14 @@ class SafetyGate {
   TransferVerdict CheckTransfer(const JointAngles& from, const JointAngles& to,
                                 const HeightMap& terrain) const;
 
-  // The three ways to a motion that an arm may execute, from where it stands (robot_model/passage.cc);
+  // The ways to a motion that an arm may execute, from where it stands (robot_model/passage.cc);
   // all in the fine sampling, with the gate's limits from the first knot to the last.
   // A transfer to the stroke's entry, then the stroke.
   Passage PassStroke(const Stroke& stroke, const HeightMap& terrain, const JointAngles& from) const;
   Passage PassTransfer(const JointAngles& to, const HeightMap& terrain,
                        const JointAngles& from) const;
+  // The same above a bed that nobody has looked at yet: sand up to the walls' rim.
+  Passage PassUnseenTransfer(const JointAngles& to, const JointAngles& from) const;
   // The blade straight up, as it stands, to the retreat height, at kLiftSpeed_mps. The way out of
   // sand: how near the sand is does not count.
   Passage PassLift(const JointAngles& from) const;

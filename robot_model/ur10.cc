@@ -19,6 +19,7 @@ constexpr double kPolishAbove = 1e-12;
 constexpr double kReachRounding = 1e-12;
 
 double WrapAngle(double angle) {
+  if (angle > -kPi && angle <= kPi) return angle;  // most are; std::remainder is slow
   const double wrapped = std::remainder(angle, 2 * kPi);
   return wrapped <= -kPi ? wrapped + 2 * kPi : wrapped;
 }

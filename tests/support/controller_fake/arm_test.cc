@@ -19,8 +19,8 @@ Extremes Measure(const std::vector<TracePoint>& trace) {
   for (size_t i = 1; i < trace.size(); ++i) {
     const Vector6 speed = (trace[i].q.rad - trace[i - 1].q.rad) / kControlPeriod_s;
     extremes.speed_radps = extremes.speed_radps.cwiseMax(speed.cwiseAbs());
-    extremes.acceleration_radps2 =
-        std::max(extremes.acceleration_radps2, (speed - last).cwiseAbs().maxCoeff() / kControlPeriod_s);
+    const double acceleration = (speed - last).cwiseAbs().maxCoeff() / kControlPeriod_s;
+    extremes.acceleration_radps2 = std::max(extremes.acceleration_radps2, acceleration);
     last = speed;
   }
   return extremes;
@@ -96,7 +96,8 @@ TEST_F(Arm, SliderStretchesTime) {
   core_.SetSlider(0.3);
   ASSERT_TRUE(RunToEnd(core_, "def one():\n  movej([0, -1.5, 1.5, 0, 0, 0], t=3)\nend\n"));
   EXPECT_NEAR(static_cast<double>(core_.trace().size()) * kControlPeriod_s, 10, 0.05);
-  EXPECT_EQ(core_.state().speed_scaling, 0.3);
+  EXPECT_EQ(core_.state().speed_slider, 0.3);
+  EXPECT_EQ(core_.state().speed_scaling, 1);
 }
 
 TEST_F(Arm, StopsComeToRestOnThePathAndGoOnThere) {

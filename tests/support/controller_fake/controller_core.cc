@@ -72,9 +72,9 @@ void ControllerCore::Upload(const std::string& text) {
                                                        "the robot is not in running mode")});
     return;
   }
-  if (const auto fault = FindLayoutFault(text)) return Report(*fault);
+  if (const auto fault = FindLayoutFault(text, options_.strict_scripts)) return Report(*fault);
   try {
-    Begin(ParseScript(text));
+    Begin(ParseScript(text, options_.strict_scripts));
   } catch (const SyntaxError& error) {
     Report(error.fault);
   }
@@ -281,7 +281,10 @@ void ControllerCore::Tick() {
 }
 
 void ControllerCore::UpdateState() {
-  state_.speed_scaling = scale_;
+  // The trajectory limiter's share, without the slider's: a client multiplies the two.
+  state_.speed_scaling = state_.ProgramAlive() && state_.speed_slider > 0
+                             ? std::min(scale_ / state_.speed_slider, 1.0)
+                             : 1;
   state_.q = arm_.q();
   state_.qdd_radps2 = (arm_.qd_radps() - state_.qd_radps) / kControlPeriod_s;
   state_.qd_radps = arm_.qd_radps();

@@ -78,8 +78,8 @@ class ControllerFake::Servers {
   }
 
   void Run() {
-    const auto period =
-        std::chrono::duration_cast<Clock::duration>(Seconds(fake::kControlPeriod_s / options_.time_factor));
+    const auto period = std::chrono::duration_cast<Clock::duration>(
+        Seconds(fake::kControlPeriod_s / options_.time_factor));
     auto due = Clock::now() + period;
     std::vector<pollfd> polls;
     while (!ended_) {

@@ -43,6 +43,9 @@ struct ControllerFakeOptions {
   // An operator who answers each popup after that time; none: AnswerPopup does.
   std::optional<double> popup_answer_s = 0.2;
   bool safeguard_resumes = true;  // the program goes on when the safeguard input clears
+  // The manual's rules for uploads. Controllers take more, and ur_rtde's program needs it: lines in
+  // column 0, statements that go on over line ends.
+  bool strict_scripts = true;
   std::map<std::string, std::string> stored_programs;  // for the dashboard's `load`: name to script
 };
 

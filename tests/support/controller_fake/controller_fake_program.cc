@@ -36,12 +36,14 @@ void PrintStatus(ControllerFake& fake) {
 
 // Writes time and joints of the program, a line each 8 ms.
 void PrintTrace(ControllerFake& fake) {
+  const auto digits = std::cout.precision(12);
   for (const fake::TracePoint& point : fake.trace()) {
     std::cout << "trace " << point.time_s;
     for (int i = 0; i < 6; ++i) std::cout << ' ' << point.q[i];
     std::cout << '\n';
   }
   std::cout << "trace end" << std::endl;
+  std::cout.precision(digits);
 }
 
 void PrintLists(ControllerFake& fake) {
@@ -103,7 +105,7 @@ void ReadCommands(ControllerFake& fake) {
 int Main(int argc, char** argv) {
   ControllerFakeOptions options;
   options.ports = ControllerPorts::Standard();
-  bool keep = false, off = false;
+  bool keep = false, off = false, lenient = false;
   CLI::App app("A stand-in for a UR10 CB3 controller.");
   app.add_option("--address", options.address, "to listen on");
   app.add_option("--dashboard", options.ports.dashboard, "port; 0: any");
@@ -114,9 +116,11 @@ int Main(int argc, char** argv) {
   app.add_option("--time-factor", options.time_factor, "controller seconds a second")
       ->check(CLI::Range(0.01, 100.0));
   app.add_flag("--off", off, "start with the arm powered off");
+  app.add_flag("--lenient", lenient, "take scripts that break the manual's rules of layout");
   app.add_flag("--keep", keep, "go on when the standard input ends");
   CLI11_PARSE(app, argc, argv);
   options.powered = !off;
+  options.strict_scripts = !lenient;
 
   ControllerFake fake(options);
   const ControllerPorts& ports = fake.ports();

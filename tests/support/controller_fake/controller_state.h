@@ -62,7 +62,7 @@ struct ControllerState {
   std::string program;  // name of the last one started
 
   double speed_slider = 1;   // 0..1, target_speed_fraction
-  double speed_scaling = 1;  // what the motion really has, 0..1
+  double speed_scaling = 1;  // 0..1, on top of it: below 1 while a pause or a stop slows the arm
 
   JointAngles q;
   Vector6 qd_radps = Vector6::Zero(), qdd_radps2 = Vector6::Zero();

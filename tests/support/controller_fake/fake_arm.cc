@@ -257,6 +257,7 @@ void FakeArm::BeginPeriod(double scale) {
       }
       break;
   }
+  qd_ = (q_.rad - q_begin_.rad) / kControlPeriod_s;
 }
 
 void FakeArm::EndPeriod() {

@@ -172,6 +172,28 @@ TEST(ScriptLayout, RulesOfAnUpload) {
               HasSubstr("1: syntax error: program name"));
 }
 
+// As ur_rtde writes its program.
+TEST(ScriptLayout, LenientControllersReadOnOverLineEnds) {
+  const std::string text =
+      "def a():\n"
+      "  global offset = # number\n"
+      "3  global other = 4\n"
+      "  def f(p):\n"
+      "    return\n"
+      "  end\n"
+      "  f(1) textmsg(offset + other)\n"
+      "end\n";
+  ControllerFakeOptions options;
+  ControllerCore strict(options);
+  EXPECT_TRUE(RunToEnd(strict, text, 10));
+  EXPECT_TRUE(strict.last_fault());
+  options.strict_scripts = false;
+  ControllerCore lenient(options);
+  EXPECT_TRUE(RunToEnd(lenient, text, 10));
+  EXPECT_FALSE(lenient.last_fault());
+  EXPECT_THAT(lenient.messages(), ElementsAre("7"));
+}
+
 TEST(ScriptLayout, ProgramsAreTakenOutOfAStream) {
   std::string received = "def a():\n  sync()\nen";
   EXPECT_TRUE(TakePrograms(received).empty());

@@ -89,8 +89,11 @@ void RtdeServer::Answer(RtdeClient& client, uint8_t type, std::string_view body)
     default: {
       constexpr uint8_t kWarning = 2;
       const std::string text = "unknown package type " + std::to_string(type);
-      if (session.protocol == 1) return SendFrame(client, kText, reply.U8(kWarning).Text(text).bytes());
-      SendFrame(client, kText, reply.ShortText(text).ShortText("RTDE").U8(kWarning).bytes());
+      if (session.protocol == 1)
+        reply.U8(kWarning).Text(text);
+      else
+        reply.ShortText(text).ShortText("RTDE").U8(kWarning);
+      SendFrame(client, kText, reply.bytes());
     }
   }
 }

@@ -65,6 +65,7 @@ void AddMotion(Outputs& outputs) {
     Vector(outputs, name + "_TCP_pose", [](const State& s) { return PoseVector(s.X_WT); });
     Vector(outputs, name + "_TCP_speed", [](const State& s) { return s.tcp_speed; });
   }
+  Vector(outputs, "payload_inertia", zero);
   Vector(outputs, "target_qdd", [](const State& s) { return s.qdd_radps2; });
   Vector(outputs, "target_moment", zero);
   Vector(outputs, "joint_control_output", zero);

@@ -17,7 +17,10 @@ const std::set<std::string> kReserved = {
 
 class Parser {
  public:
-  explicit Parser(const std::string& text) : tokens_(Tokenize(text)) {}
+  Parser(const std::string& text, bool strict) : tokens_(Tokenize(text)), strict_(strict) {
+    if (!strict)
+      std::erase_if(tokens_, [](const Token& t) { return t.kind == Token::Kind::kLineEnd; });
+  }
 
   ScriptProgram Run() {
     SkipLineEnds();
@@ -50,6 +53,7 @@ class Parser {
     if (!TakeSymbol(symbol)) Fail("'" + symbol + "' is missing");
   }
   void LineEnd() {
+    if (!strict_) return;
     if (Peek().kind != Token::Kind::kLineEnd) Fail("'" + Peek().text + "'");
     ++at_;
   }
@@ -122,7 +126,8 @@ class Parser {
       if (node || !IsWord(word)) continue;
       node = New(kind);
       ++at_;
-      if (kind == Kind::kReturn && Peek().kind != Token::Kind::kLineEnd)
+      if (kind == Kind::kReturn && Peek().kind != Token::Kind::kLineEnd &&
+          Peek().line == node->line)
         node->children.push_back(Expression());
     }
     if (!node && (IsWord("kill") || IsWord("join"))) {
@@ -263,7 +268,8 @@ class Parser {
 
   // With one number it is no pose, but an element of a variable that is called p.
   static NodePtr ElementOfP(NodePtr node) {
-    auto name = std::make_unique<Node>(Node{Kind::kName, node->line, node->column, "p", {}, {}, {}});
+    auto name =
+        std::make_unique<Node>(Node{Kind::kName, node->line, node->column, "p", {}, {}, {}});
     node->kind = Kind::kIndex;
     node->names.clear();
     node->children.insert(node->children.begin(), std::move(name));
@@ -298,12 +304,15 @@ class Parser {
   }
 
   std::vector<Token> tokens_;
+  bool strict_;
   size_t at_ = 0;
   ScriptProgram program_;
 };
 
 }  // namespace
 
-ScriptProgram ParseScript(const std::string& text) { return Parser(text).Run(); }
+ScriptProgram ParseScript(const std::string& text, bool strict) {
+  return Parser(text, strict).Run();
+}
 
 }  // namespace sandwright::fake

@@ -72,7 +72,8 @@ struct SyntaxError {
   ScriptFault fault;
 };
 
-// A whole program, or a single statement as a program of its own.
-ScriptProgram ParseScript(const std::string& text);
+// A whole program, or a single statement as a program of its own. `strict`: a statement a line, as
+// the manual has it; otherwise statements end where they can go on no further, as for controllers.
+ScriptProgram ParseScript(const std::string& text, bool strict);
 
 }  // namespace sandwright::fake

@@ -23,17 +23,18 @@ bool SaysNothing(const std::string& line) {
 
 }  // namespace
 
-std::optional<ScriptFault> FindLayoutFault(const std::string& text) {
+std::optional<ScriptFault> FindLayoutFault(const std::string& text, bool strict) {
   std::istringstream lines(text);
   std::string line;
   bool ended = false;
   for (int number = 1; std::getline(lines, line); ++number) {
     for (size_t i = 0; i < line.size(); ++i) {
       const auto byte = static_cast<unsigned char>(line[i]);
+      const auto next = i + 1 < line.size() ? static_cast<unsigned char>(line[i + 1]) : 0;
       if ((byte < 0x20 && byte != '\t' && byte != '\r') || byte == 0x7f)
         return ScriptFault{number, static_cast<int>(i) + 1, "control character"};
       // Two bytes of UTF-8 are no character of an eight-bit alphabet.
-      if (byte >= 0xc2 && i + 1 < line.size() && (static_cast<unsigned char>(line[i + 1]) & 0xc0) == 0x80)
+      if (byte >= 0xc2 && (next & 0xc0) == 0x80)
         return ScriptFault{number, static_cast<int>(i) + 1, "not extended ASCII"};
     }
     if (number == 1) {
@@ -44,7 +45,7 @@ std::optional<ScriptFault> FindLayoutFault(const std::string& text) {
       return ScriptFault{number, 1, "syntax error: text behind the program's end"};
     } else if (IsEnd(line)) {
       ended = true;
-    } else if (!SaysNothing(line) && line[0] != ' ' && line[0] != '\t') {
+    } else if (strict && !SaysNothing(line) && line[0] != ' ' && line[0] != '\t') {
       return ScriptFault{number, 1, "syntax error: line is not indented"};
     }
   }
