@@ -62,10 +62,10 @@ struct ArmState {
   RuntimeState runtime_state = RuntimeState::kStopped;
   RobotMode robot_mode = RobotMode::kDisconnected;
   SafetyMode safety_mode = SafetyMode::kFault;
-  uint32_t robot_status_bits = 0, safety_status_bits = 0;  // the constants below
+  uint32_t robot_status_bits = 0;   // 0 power, 1 program running, 2 teach button, 3 power button
+  uint32_t safety_status_bits = 0;  // the constants below
   std::array<int32_t, 3> output_registers = {};
 
-  static constexpr uint32_t kPowerOn = 1u << 0, kProgramRunning = 1u << 1;
   static constexpr uint32_t kSafetyProtective = 1u << 2, kSafetyRecovery = 1u << 3,
                             kSafetySafeguard = 1u << 4, kSafetyEmergency = 7u << 5,
                             kSafetyFaults = 3u << 8;

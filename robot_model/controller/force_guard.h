@@ -19,8 +19,8 @@ struct ForceSample {
   Eigen::Vector3d force_n;
 };
 
-// The baseline out of a lifted pass: for each knot in [path_begin, path_end) the mean over 0.2 s, as
-// one sample alone has a standard deviation of some 4 N. Empty where no sample lies on the path.
+// The baseline out of a lifted pass: for each knot in [path_begin, path_end) the mean over 0.2 s,
+// as one sample alone has a standard deviation of some 4 N. Empty where none lies on the path.
 ForceBaseline MakeForceBaseline(std::span<const ForceSample> lifted, size_t path_begin,
                                 size_t path_end);
 

@@ -16,8 +16,8 @@ std::optional<Packet> PacketFramer::Next() {
   BigEndianReader reader(held);
   const size_t size = format_.size_bytes == 2 ? reader.U16() : reader.U32();
   const uint8_t type = reader.U8();
-  const bool known =
-      format_.types.empty() || format_.types.find(static_cast<char>(type)) != std::string_view::npos;
+  const bool known = format_.types.empty() || format_.types.find(static_cast<char>(type)) !=
+                                                  std::string_view::npos;
   if (size < header || size > format_.largest || !known) {
     broken_ = true;
     buffer_.clear();

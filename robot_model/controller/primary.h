@@ -1,7 +1,8 @@
 // The primary interface's packets as values: what the controller says about programs and itself.
 //
-// A packet is its size (i32, with the header), a type (u8) and a payload, big-endian. A ROBOT_MESSAGE
-// is one event; a ROBOT_STATE, ten times a second, is a row of sub-packages that are built alike.
+// A packet is its size (i32, with the header), a type (u8) and a payload, big-endian. A
+// ROBOT_MESSAGE is one event; a ROBOT_STATE, ten times a second, is a row of sub-packages that are
+// built alike.
 #pragma once
 
 #include <array>

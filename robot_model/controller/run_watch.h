@@ -15,7 +15,7 @@ namespace sandwright {
 struct RunPlan {
   std::string name;                // of the program
   std::vector<JointAngles> knots;  // the whole motion
-  size_t stroke_begin = 0;         // where entry, path and exit begin; knots.size() without a stroke
+  size_t stroke_begin = 0;         // of entry, path and exit; knots.size() without a stroke
   size_t path_begin = 0;           // of the path itself
   double duration_s = 0;           // at a full speed slider, without pauses
 };
@@ -29,8 +29,8 @@ struct RunSample {
   double contact_n = 0;
 };
 
-// A stop, violation or fault of the safety system, or an arm that is not RUNNING; none where the arm
-// is fit to move.
+// A stop, violation or fault of the safety system, or an arm that is not RUNNING; none where the
+// arm is fit to move.
 std::optional<RunVerdict> SafetyVerdict(const ArmState& state);
 
 class RunWatch {

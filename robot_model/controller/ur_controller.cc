@@ -103,7 +103,8 @@ std::optional<RunVerdict> UrController::LostLink() const {
 std::optional<RunVerdict> UrController::WhyNotNow(const ArmProgram& program) const {
   if (fault_)
     return RunVerdict{RunEnd::kRefused,
-                      fmt::format("after {} ({}); connect anew", Name(fault_->end), fault_->reason)};
+                      fmt::format("after {} ({}); connect anew", Name(fault_->end),
+                                  fault_->reason)};
   if (stop_asked_ || StopRequested())
     return RunVerdict{RunEnd::kStoppedByOperator, "before the program was sent"};
   if (auto lost = LostLink()) return lost;
@@ -206,7 +207,8 @@ void UrController::StopArm(RunWatch& watch, Recorder& recorder, RunOutcome& outc
       recorder.Take(watch.Take(frame->state));
       if (!safety) safety = SafetyVerdict(frame->state);
       const bool stands = IsStanding(frame->state) && frame->state.is_stopped();
-      if (stands && !outcome.stop_latency_s)
+      // A frame that had been waiting tells of the time before the decision.
+      if (stands && !outcome.stop_latency_s && frame->arrival >= decided)
         outcome.stop_latency_s = std::chrono::duration<double>(frame->arrival - decided).count();
     }
     const auto waited = Clock::now() - decided;

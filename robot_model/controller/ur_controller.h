@@ -31,9 +31,9 @@ class UrController {
   // than some 50 ms stops the arm.
   using Observer = std::function<void(const RunSample&)>;
 
-  // Connects, and refuses another arm than the workcell's or one that is not ready (IdentityFaults):
-  // Error (kRefused) with all reasons; Error for what a connection lacks. Addresses beyond this
-  // machine must be `armed` (CheckArmed).
+  // Connects, and refuses another arm than the workcell's or one that is not ready
+  // (IdentityFaults): Error (kRefused) with all reasons; Error for what a connection lacks.
+  // Addresses beyond this machine must be `armed` (CheckArmed).
   UrController(const ControllerAddress& address, const Workcell& workcell, bool armed = false);
 
   const ArmIdentity& identity() const { return identity_; }

@@ -282,7 +282,8 @@ TEST(UrController, OtherArmsAndStatesAreRefused) {
   EXPECT_THAT(refusal([](auto& o) { o.version = {3, 5, 0, 1}; }), HasSubstr("3.5.0.1; allowed"));
   EXPECT_THAT(refusal([](auto& o) { o.version = {5, 11, 0, 1}; }), HasSubstr("5.11.0.1; allowed"));
   EXPECT_THAT(refusal([](auto& o) { o.time_offset_s = 5; }), HasSubstr("booting"));
-  EXPECT_THAT(refusal([](auto& o) { o.powered = false; }), HasSubstr("POWER_OFF; allowed: RUNNING"));
+  EXPECT_THAT(refusal([](auto& o) { o.powered = false; }),
+              HasSubstr("POWER_OFF; allowed: RUNNING"));
   EXPECT_THAT(refusal([](auto& o) { o.dh.d_m[0] += 1e-9; }), HasSubstr("calibration"));
 }
 
