@@ -191,10 +191,10 @@ void ControllerCore::EmergencyStop(bool pressed) {
 void ControllerCore::SafeguardStop(bool active) {
   if (active) {
     SetSafety(SafetyMode::kSafeguardStop);
-    Pause();
+    safeguard_paused_ = state_.runtime == RuntimeState::kPlaying && Pause();
   } else if (state_.safety_mode == SafetyMode::kSafeguardStop) {
     SetSafety(SafetyMode::kNormal);
-    if (options_.safeguard_resumes && runner_) Play();
+    if (options_.safeguard_resumes && safeguard_paused_ && runner_) Play();
   }
 }
 

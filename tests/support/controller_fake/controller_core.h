@@ -96,7 +96,7 @@ class ControllerCore {
   std::optional<double> next_mode_s_;  // when the next step towards wanted_mode_ comes
   RobotMode wanted_mode_;
   double scale_ = 0, spike_N_ = 0, spike_end_s_ = 0, popup_begin_s_ = 0;
-  bool reject_ = false;
+  bool reject_ = false, safeguard_paused_ = false;
   KeyFaults key_faults_;
   std::string stopping_;  // program that has ended while the arm still slows down
 };
