@@ -30,7 +30,7 @@ double FittingWidth(double width, double depth, const HeightMap& terrain) {
   return width * std::min(terrain.width_m() / width, terrain.depth_m() / depth);
 }
 
-HeightMap ImageShape(const GoalRequest& request, const HeightMap& terrain) {
+HeightMap ShapeOfImage(const GoalRequest& request, const HeightMap& terrain) {
   if (request.range_mm.size() != 2)
     throw Error("--image needs --range-mm LOW HIGH: the heights of black and of white [mm]");
   cv::Mat grey = ReadDrawing(request.image);
@@ -56,7 +56,7 @@ Eigen::Matrix3d Upright(const std::string& up) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(kTurns.at(up).data());
 }
 
-HeightMap MeshShape(const GoalRequest& request, const HeightMap& terrain) {
+HeightMap ShapeOfMesh(const GoalRequest& request, const HeightMap& terrain) {
   Mesh mesh = ReadMesh(request.mesh);
   const double unit_m = UnitSize(request.unit, request.mesh);
   const Eigen::Matrix3d turn = Upright(request.up);
@@ -72,7 +72,7 @@ HeightMap MeshShape(const GoalRequest& request, const HeightMap& terrain) {
   return HeightsOf(mesh, terrain.cell_size_m / kFiner, request.mesh);
 }
 
-HeightMap SvgShape(const GoalRequest& request, const HeightMap& terrain) {
+HeightMap ShapeOfSvg(const GoalRequest& request, const HeightMap& terrain) {
   const SvgDrawing drawing = ReadSvg(request.svg);
   double unit_m = 0;
   if (request.size_m) {
@@ -87,7 +87,7 @@ HeightMap SvgShape(const GoalRequest& request, const HeightMap& terrain) {
 }
 
 // Its holes and what its mask leaves out are no part of it.
-HeightMap ScanShape(const GoalRequest& request) {
+HeightMap ShapeOfScan(const GoalRequest& request) {
   HeightMap scan = ReadHeightMap(request.scan, /*nan_allowed=*/true);
   for (size_t i = 0; i < scan.size(); ++i)
     if ((!scan.valid.empty() && !scan.valid[i]) || (!scan.mask.empty() && !scan.mask[i])) scan.height_m[i] = std::nanf("");
@@ -98,7 +98,7 @@ HeightMap ScanShape(const GoalRequest& request) {
 }
 
 // A shape by name counts to 30 mm beyond its foot.
-HeightMap NamedShape(const GoalRequest& request, const HeightMap& terrain) {
+HeightMap ShapeOfNamed(const GoalRequest& request, const HeightMap& terrain) {
   if (request.size_m) throw Error("--size is not for --shape; its measures are --rise-mm, --flat-mm and --length-mm");
   GoalShape shape{.kind = ParseGoalKind(request.shape), .x_m = terrain.width_m() / 2, .y_m = terrain.depth_m() / 2,
                   .heading_rad = request.turn_deg * kRadian, .half_length_m = request.length_mm / 2000,
@@ -130,11 +130,11 @@ Wish MakeWish(const GoalRequest& request, const HeightMap& terrain) {
   const std::string* sources[] = {&request.image, &request.mesh, &request.svg, &request.scan, &request.shape};
   if (std::ranges::count_if(sources, [](const std::string* s) { return !s->empty(); }) != 1)
     throw Error("goal needs one of --image, --mesh, --svg, --scan and --shape");
-  const HeightMap shape = !request.image.empty()  ? ImageShape(request, terrain)
-                          : !request.mesh.empty() ? MeshShape(request, terrain)
-                          : !request.svg.empty()  ? SvgShape(request, terrain)
-                          : !request.scan.empty() ? ScanShape(request)
-                                                  : NamedShape(request, terrain);
+  const HeightMap shape = !request.image.empty()  ? ShapeOfImage(request, terrain)
+                          : !request.mesh.empty() ? ShapeOfMesh(request, terrain)
+                          : !request.svg.empty()  ? ShapeOfSvg(request, terrain)
+                          : !request.scan.empty() ? ShapeOfScan(request)
+                                                  : ShapeOfNamed(request, terrain);
   WishPlace place{.height_scale = 1, .zero_m = Zero(request, shape, terrain) + request.lift_mm / 1000};
   if (request.shape.empty()) {  // a shape by name is at its place already
     if (!request.at_m.empty()) place.at_m = Eigen::Vector2d(request.at_m[0], request.at_m[1]);

@@ -22,7 +22,7 @@ bool IsTiff(const std::string& extension) { return extension == ".tif" || extens
 double UnitSize(const MapFileOptions& options, const std::filesystem::path& file) {
   if (options.unit == "mm") return 1e-3;
   if (options.unit == "m") return 1;
-  throw Error(fmt::format("{}: its format carries no unit; --unit is \"{}\", allowed: mm, m", file.string(), options.unit));
+  throw Error(fmt::format("{}: its format carries no unit; --unit is \"{}\"; allowed: mm, m", file.string(), options.unit));
 }
 
 double CellSize(const MapFileOptions& options, const std::filesystem::path& file) {

@@ -157,7 +157,8 @@ HeightMap DrawSvg(const SvgDrawing& drawing, double cell, const std::optional<do
     }
     if (shape.filled) cv::fillPoly(image, lines, height_m, cv::LINE_8, kShift);
     if (!(shape.stroke_width > 0)) continue;
-    const int thickness = std::max(1, static_cast<int>(std::lround(shape.stroke_width / cell)));
+    // OpenCV's lines are a pixel wider than asked for: both their edges belong to them.
+    const int thickness = std::max(1, static_cast<int>(std::lround(shape.stroke_width / cell)) - 1);
     for (size_t i = 0; i < lines.size(); ++i)
       cv::polylines(image, lines[i], shape.lines[i].closed, height_m, thickness, cv::LINE_8, kShift);
   }

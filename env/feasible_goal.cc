@@ -52,7 +52,7 @@ double SlopeAtSide(const HeightMap& goal, int row, int column, bool along_x) {
   for (const auto& [r, c] : {std::pair{row, column}, {r1, c1}}) {
     for (const int step : {-1, 1}) {
       const int rn = r + (along_x ? step : 0), cn = c + (along_x ? 0 : step);
-      if (counts(rn, cn)) along += step * (goal.At(rn, cn) - goal.At(r, c)), ++sides;
+      if (counts(rn, cn)) along += step * static_cast<double>(goal.At(rn, cn) - goal.At(r, c)), ++sides;
     }
   }
   return std::hypot(across, sides > 0 ? along / sides : 0) / goal.cell_size_m;

@@ -1,6 +1,7 @@
 // Training sets around one goal: it moved, turned, deeper or shallower, on varied sand.
 #pragma once
 
+#include "data/base/config.h"
 #include "data/base/random.h"
 #include "data/task.h"
 

@@ -123,7 +123,7 @@ TEST(MeshFiles, DamagedFilesAreNamedWithThePlace) {
   const std::string ply = ReadFile(Temp("whole.ply"));
   fails("bad.ply", ply.substr(0, ply.size() - 5), "cut off");
   fails("bad.ply", ply.substr(0, 60), "no end_header");
-  fails("bad.ply", "plain words", "no end_header");
+  fails("bad.ply", "ply words", "no end_header");
   fails("bad.ply", "words", "not a PLY file");
   fails("bad.ply", "ply\nformat text 1.0\nend_header\n", "format \"text\"");
   fails("bad.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n", "no x, y and z");
