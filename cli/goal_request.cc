@@ -36,7 +36,8 @@ HeightMap ShapeOfImage(const GoalRequest& request, const HeightMap& terrain) {
   cv::Mat grey = ReadDrawing(request.image);
   const double width_m = request.size_m.value_or(FittingWidth(grey.cols, grey.rows, terrain));
   const double shrink = kFiner * width_m / terrain.cell_size_m / grey.cols;  // finer detail would alias
-  if (shrink < 1) cv::resize(grey, grey, {std::max(2, static_cast<int>(grey.cols * shrink)), std::max(1, static_cast<int>(grey.rows * shrink))}, 0, 0, cv::INTER_AREA);
+  const cv::Size coarser(std::max(2, static_cast<int>(grey.cols * shrink)), std::max(1, static_cast<int>(grey.rows * shrink)));
+  if (shrink < 1) cv::resize(grey, grey, coarser, 0, 0, cv::INTER_AREA);
   HeightMap shape(grey.rows, grey.cols, width_m / grey.cols);
   const double low_m = request.range_mm[0] / 1000, high_m = request.range_mm[1] / 1000;
   for (int row = 0; row < shape.rows; ++row)  // a picture has its first row at the top
@@ -78,7 +79,8 @@ HeightMap ShapeOfSvg(const GoalRequest& request, const HeightMap& terrain) {
   if (request.size_m) {
     unit_m = *request.size_m / drawing.width;
   } else {
-    unit_m = drawing.unit_m ? *drawing.unit_m : UnitSize(request.unit, request.svg + " (its width names no mm, cm or in; or give --size)");
+    unit_m = drawing.unit_m ? *drawing.unit_m
+                            : UnitSize(request.unit, request.svg + " (its width names no mm, cm or in; or give --size)");
   }
   CheckWishExtent(drawing.width * unit_m, drawing.height * unit_m, terrain, request.svg);
   HeightMap shape = DrawSvg(drawing, terrain.cell_size_m / kFiner / unit_m, request.depth_mm, request.svg);
@@ -90,10 +92,12 @@ HeightMap ShapeOfSvg(const GoalRequest& request, const HeightMap& terrain) {
 HeightMap ShapeOfScan(const GoalRequest& request) {
   HeightMap scan = ReadHeightMap(request.scan, /*nan_allowed=*/true);
   for (size_t i = 0; i < scan.size(); ++i)
-    if ((!scan.valid.empty() && !scan.valid[i]) || (!scan.mask.empty() && !scan.mask[i])) scan.height_m[i] = std::nanf("");
+    if ((!scan.valid.empty() && !scan.valid[i]) || (!scan.mask.empty() && !scan.mask[i]))
+      scan.height_m[i] = std::nanf("");
   scan.valid.clear();
   scan.mask.clear();
-  if (std::ranges::all_of(scan.height_m, [](float h) { return std::isnan(h); })) throw Error(request.scan + ": the scan is all hole");
+  if (std::ranges::all_of(scan.height_m, [](float h) { return std::isnan(h); }))
+    throw Error(request.scan + ": the scan is all hole");
   return scan;
 }
 
@@ -108,7 +112,8 @@ HeightMap ShapeOfNamed(const GoalRequest& request, const HeightMap& terrain) {
   for (int row = 0; row < map.rows; ++row) {
     for (int column = 0; column < map.columns; ++column) {
       const double x_m = (column + 0.5) * map.cell_size_m, y_m = (row + 0.5) * map.cell_size_m;
-      map.At(row, column) = DistanceToFoot(shape, x_m, y_m) > kMargin_m ? std::nanf("") : static_cast<float>(ShapeHeight(shape, x_m, y_m));
+      const bool counts = DistanceToFoot(shape, x_m, y_m) <= kMargin_m;
+      map.At(row, column) = counts ? static_cast<float>(ShapeHeight(shape, x_m, y_m)) : std::nanf("");
     }
   }
   return map;
@@ -120,7 +125,8 @@ double Zero(const GoalRequest& request, const HeightMap& shape, const HeightMap&
   const std::string zero = request.zero.empty() ? (absolute ? "floor" : "sand") : request.zero;
   if (zero != "floor" && zero != "sand") throw Error("--zero " + zero + " is not known; allowed: sand, floor");
   if (zero == "sand") return MeanCounted(terrain) - (request.scan.empty() ? 0 : MeanCounted(shape));
-  if (terrain.datum != Datum::kFloor) throw Error("--zero floor: the terrain's datum is relative, its floor is not known; allowed: sand");
+  if (terrain.datum != Datum::kFloor)
+    throw Error("--zero floor: the terrain's datum is relative, its floor is not known; allowed: sand");
   return 0;
 }
 

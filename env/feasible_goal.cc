@@ -100,7 +100,8 @@ double LevelShift(const HeightMap& goal, const HeightMap& terrain) {
 
 }  // namespace
 
-Feasibility JudgeGoal(const HeightMap& goal, const HeightMap& terrain, const FeasibilityConfig& config, const ReachMap* reach) {
+Feasibility JudgeGoal(const HeightMap& goal, const HeightMap& terrain, const FeasibilityConfig& config,
+                      const ReachMap* reach) {
   SAND_CHECK(goal.SameGrid(terrain) && goal.mask.size() == goal.size(), goal.rows, terrain.rows);
   const auto counted = static_cast<size_t>(std::ranges::count(goal.mask, 1));
   SAND_CHECK(counted > 0);
@@ -118,7 +119,8 @@ Feasibility JudgeGoal(const HeightMap& goal, const HeightMap& terrain, const Fea
       narrow += changed_m > kNarrow_m;
       found.narrow_worst_m = std::max(found.narrow_worst_m, changed_m);
       below += goal.datum == Datum::kFloor && goal.height_m[i] < 0;
-      unreached += reach != nullptr && reach->At((column + 0.5) * goal.cell_size_m, (row + 0.5) * goal.cell_size_m) == 0;
+      const double x_m = (column + 0.5) * goal.cell_size_m, y_m = (row + 0.5) * goal.cell_size_m;
+      unreached += reach != nullptr && reach->At(x_m, y_m) == 0;
     }
   }
   const auto share = [&](size_t count) { return static_cast<double>(count) / static_cast<double>(counted); };

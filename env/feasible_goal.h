@@ -17,8 +17,10 @@ struct FeasibilityConfig {
 
   void Fields(FieldList& f) {
     f.Add("repose_deg", repose_deg, "angle of repose: no slope stays steeper [deg]", 5, 60);
-    f.Add("narrowest_pit_m", narrowest_pit_m, "pits and grooves are no narrower: the blade's width [m]; 0: as narrow as drawn", 0, 1);
-    f.Add("narrowest_crest_m", narrowest_crest_m, "crests and heaps are no narrower [m]; 0: as narrow as drawn", 0, 1);
+    f.Add("narrowest_pit_m", narrowest_pit_m,
+          "pits and grooves are no narrower: the blade's width [m]; 0: as narrow as drawn", 0, 1);
+    f.Add("narrowest_crest_m", narrowest_crest_m,
+          "crests and heaps are no narrower [m]; 0: as narrow as drawn", 0, 1);
   }
 };
 
@@ -34,7 +36,8 @@ struct Feasibility {
 };
 
 // `goal` has its mask filled and the terrain's grid. `reach`: of the gate, or none.
-Feasibility JudgeGoal(const HeightMap& goal, const HeightMap& terrain, const FeasibilityConfig& config, const ReachMap* reach);
+Feasibility JudgeGoal(const HeightMap& goal, const HeightMap& terrain, const FeasibilityConfig& config,
+                      const ReachMap* reach);
 
 // The goal with pits and crests that are too narrow closed and cut, slopes beyond repose slid to rest as sand slides
 // (volume kept; sand that does not count is taken for a smooth continuation), and all of it on the one level that gives

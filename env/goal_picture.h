@@ -7,8 +7,8 @@
 
 namespace sandwright {
 
-// Terrain, wish and nearest feasible goal on one height scale (goals pale where they do not count), and the feasible goal
-// against the wish (+-20 mm); two in a row, each under its caption.
+// Terrain, wish and nearest feasible goal on one height scale (goals pale where they do not count), and the
+// feasible goal against the wish (+-20 mm); two in a row, each under its caption.
 cv::Mat DrawGoals(const HeightMap& terrain, const HeightMap& wish, const HeightMap& feasible);
 
 }  // namespace sandwright

@@ -37,7 +37,8 @@ class Placement {
     int on = 0;
     for (int j = 0; j < kSamples; ++j) {
       for (int i = 0; i < kSamples; ++i) {
-        const Eigen::Vector2d off = Eigen::Vector2d(column + (i + 0.5) / kSamples, row + (j + 0.5) / kSamples) * cell_size_m_ - at_m_;
+        const Eigen::Vector2d part(column + (i + 0.5) / kSamples, row + (j + 0.5) / kSamples);
+        const Eigen::Vector2d off = part * cell_size_m_ - at_m_;
         const double c = std::cos(place_.turn_rad), s = std::sin(place_.turn_rad);
         const double h = ShapeAt(shape_, (c * off.x() + s * off.y()) / place_.scale + shape_.width_m() / 2,
                                  (c * off.y() - s * off.x()) / place_.scale + shape_.depth_m() / 2);
@@ -58,8 +59,8 @@ class Placement {
 
 void CheckWishExtent(double width_m, double depth_m, const HeightMap& terrain, const std::string& name) {
   if (std::max(width_m, depth_m) <= kTooLarge * std::max(terrain.width_m(), terrain.depth_m())) return;
-  throw Error(fmt::format("{}: {:.4g} x {:.4g} m, and the box is {:g} x {:g} m; is the unit right (--unit mm is a thousandth of --unit m)? "
-                          "--size W makes it W m wide",
+  throw Error(fmt::format("{}: {:.4g} x {:.4g} m, and the box is {:g} x {:g} m; is the unit right (--unit mm is a "
+                          "thousandth of --unit m)? --size W makes it W m wide",
                           name, width_m, depth_m, terrain.width_m(), terrain.depth_m()));
 }
 
@@ -82,12 +83,13 @@ Wish PlaceWish(const HeightMap& shape, const WishPlace& place, const HeightMap& 
   }
   const auto counted = std::ranges::count(goal.mask, 1);
   if (counted < 2)
-    throw Error(fmt::format("{}: {:.4g} x {:.4g} m at its place cover {} cells of the sand ({:g} m each); at least 2 are needed: is the "
-                            "unit right, and does it lie in the box of {:g} x {:g} m?",
-                            name, place.scale * shape.width_m(), place.scale * shape.depth_m(), counted, terrain.cell_size_m,
-                            terrain.width_m(), terrain.depth_m()));
+    throw Error(fmt::format("{}: {:.4g} x {:.4g} m at its place cover {} cells of the sand ({:g} m each); at least 2 "
+                            "are needed: is the unit right, and does it lie in the box of {:g} x {:g} m?",
+                            name, place.scale * shape.width_m(), place.scale * shape.depth_m(), counted,
+                            terrain.cell_size_m, terrain.width_m(), terrain.depth_m()));
   const double side_m = place.scale * shape.cell_size_m;
-  const double shape_m2 = side_m * side_m * static_cast<double>(std::ranges::count_if(shape.height_m, [](float h) { return !std::isnan(h); }));
+  const auto on_shape = std::ranges::count_if(shape.height_m, [](float h) { return !std::isnan(h); });
+  const double shape_m2 = side_m * side_m * static_cast<double>(on_shape);
   const double placed_m2 = terrain.cell_size_m * terrain.cell_size_m * static_cast<double>(counted);
   wish.cut_share = std::max(0.0, 1 - placed_m2 / shape_m2);
   return wish;

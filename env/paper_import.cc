@@ -26,8 +26,9 @@ cv::Mat ReadPair(const std::filesystem::path& file) {
                          cv::IMREAD_UNCHANGED);
   if (image.empty()) throw Error(file.string() + ": not a picture, or cut off");
   if (image.type() != CV_8UC3 || image.rows != kPaperPixels || image.cols != 2 * kPaperPixels)
-    throw Error(fmt::format("{}: {} x {} pixels in {} channels of {} bits; a pair has {} x {} in 3 channels of 8", file.string(),
-                            image.cols, image.rows, image.channels(), 8 * image.elemSize1(), 2 * kPaperPixels, kPaperPixels));
+    throw Error(fmt::format("{}: {} x {} pixels in {} channels of {} bits; a pair has {} x {} in 3 channels of 8",
+                            file.string(), image.cols, image.rows, image.channels(), 8 * image.elemSize1(),
+                            2 * kPaperPixels, kPaperPixels));
   return image;
 }
 
@@ -106,7 +107,8 @@ Stroke FitCurve(const std::vector<Middle>& middle, double first_row, double last
   Stroke stroke{{}, 2, Stroke().speed_mps};
   for (int k = 0; k < 4; ++k) {
     const double row = first_row + (last_row - first_row) * k / 3;
-    stroke.control_points_m.emplace_back((kMiddle + column[k]) * kPaperPixel_m, (kPaperPixels - row) * kPaperPixel_m, z_m[k]);
+    stroke.control_points_m.emplace_back((kMiddle + column[k]) * kPaperPixel_m,
+                                         (kPaperPixels - row) * kPaperPixel_m, z_m[k]);
   }
   const double bend_m = (z_m - Eigen::Vector4d::LinSpaced(z_m[0], z_m[3])).cwiseAbs().maxCoeff();
   if (column.cwiseAbs().maxCoeff() < kStraight_px && bend_m < kFlat_m)
@@ -134,15 +136,17 @@ StrokeRecord ReadPaperPair(const std::filesystem::path& file, const Blade& blade
   const std::vector<Middle> middle = TraceMiddle(image, first_row, last_row);
   if (middle.size() < 8) throw Error(file.string() + ": its path is shorter than a few pixels");
   StrokeRecord record{.before = MapOf(image, 0, 2), .after = MapOf(image, kPaperPixels, 1),
-                      .stroke = FitCurve(middle, first_row, last_row, inset), .path = {}, .blade = blade, .replicate_of = {}};
+                      .stroke = FitCurve(middle, first_row, last_row, inset), .path = {}, .blade = blade,
+                      .replicate_of = {}};
   CheckStroke(record.stroke, file.string());
   record.path = SamplePath(record.stroke, kPathStep_m);
   const auto again = EncodePaperInput(record.before, record.path, blade);
   const double overlap = again ? Overlap(image, *again) : 0;
   if (overlap < kLeastOverlap)
-    throw Error(fmt::format("{}: no curve of four points gives its path back: {:.0f} % of the pixels agree; at least {:.0f} % are "
-                            "needed (blade {:g} x {:g} mm)",
-                            file.string(), 100 * overlap, 100 * kLeastOverlap, 1e3 * blade.width_m, 1e3 * blade.thickness_m));
+    throw Error(fmt::format("{}: no curve of four points gives its path back: {:.0f} % of the pixels agree; at least "
+                            "{:.0f} % are needed (blade {:g} x {:g} mm)",
+                            file.string(), 100 * overlap, 100 * kLeastOverlap, 1e3 * blade.width_m,
+                            1e3 * blade.thickness_m));
   return record;
 }
 

@@ -40,14 +40,17 @@ std::pair<HeightMap, Eigen::Vector2d> Relief(const HeightMap& goal) {
   const double mean_m = MeanCounted(relief);
   for (size_t i = 0; i < relief.size(); ++i)
     relief.height_m[i] = relief.mask[i] ? static_cast<float>(relief.height_m[i] - mean_m) : std::nanf("");
-  return {relief, Eigen::Vector2d(counted.column0 + counted.column1, counted.row0 + counted.row1) / 2 * goal.cell_size_m};
+  const Eigen::Vector2d twice(counted.column0 + counted.column1, counted.row0 + counted.row1);
+  return {relief, twice / 2 * goal.cell_size_m};
 }
 
 }  // namespace
 
-Task VaryGoal(const HeightMap& terrain, const HeightMap& goal, const VaryConfig& config, int max_strokes, RandomStream& stream) {
+Task VaryGoal(const HeightMap& terrain, const HeightMap& goal, const VaryConfig& config, int max_strokes,
+              RandomStream& stream) {
   if (config.depth_high < config.depth_low)
-    throw Error(fmt::format("vary.depth_high = {}; must be at least vary.depth_low = {}", config.depth_high, config.depth_low));
+    throw Error(fmt::format("vary.depth_high = {}; must be at least vary.depth_low = {}", config.depth_high,
+                            config.depth_low));
   const auto [relief, middle_m] = Relief(goal);
   WishPlace place;
   const double dx = stream.Uniform(-1, 1), dy = stream.Uniform(-1, 1), turn = stream.Uniform(-1, 1);

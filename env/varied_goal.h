@@ -24,9 +24,10 @@ struct VaryConfig {
   }
 };
 
-// One task: `terrain` with hills, settled to 33 degrees, of the same volume; `goal` (mask filled, the terrain's grid) moved and
-// turned about the middle of what counts, its heights about their mean scaled, what leaves the box cut off, slopes beyond
-// 33 degrees slid to rest, on the level that gives it the new terrain's volume. Error where nothing of it stays in the box.
-Task VaryGoal(const HeightMap& terrain, const HeightMap& goal, const VaryConfig& config, int max_strokes, RandomStream& stream);
+// One task: `terrain` with hills, settled to 33 degrees; `goal` (mask filled) moved and turned about the middle of
+// what counts, its heights about their mean scaled, what leaves the box cut off, slopes beyond 33 degrees slid to
+// rest, on the level that gives it the new terrain's volume. Error where nothing of it stays in the box.
+Task VaryGoal(const HeightMap& terrain, const HeightMap& goal, const VaryConfig& config, int max_strokes,
+              RandomStream& stream);
 
 }  // namespace sandwright
