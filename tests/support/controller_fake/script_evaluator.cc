@@ -55,9 +55,9 @@ void ScriptEvaluator::Run(const ScriptFunction& function) {
   }
 }
 
-void ScriptEvaluator::Yield() {
+void ScriptEvaluator::Yield(std::function<bool()> awaited) {
   steps_ = 0;
-  thread_.Yield();
+  thread_.Yield(std::move(awaited));
 }
 
 Value* ScriptEvaluator::Variable(const std::string& name) {

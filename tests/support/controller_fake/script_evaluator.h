@@ -1,6 +1,7 @@
 // Walks a program's tree in one of its threads.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -41,8 +42,8 @@ class ScriptEvaluator {
   ScriptRunner& runner() { return runner_; }
   ScriptMachine& machine() { return runner_.machine(); }
   int thread_id() const { return thread_.id(); }
-  // Until the next control period.
-  void Yield();
+  // Until the next control period, or until a later one in which `awaited` holds.
+  void Yield(std::function<bool()> awaited = {});
 
  private:
   enum class Flow { kOn, kBreak, kContinue, kReturn };

@@ -60,7 +60,7 @@ void Move(Evaluator& evaluator, MoveCommand command) {
     throw ScriptError("speed and acceleration must be over 0");
   ArmClaim claim(evaluator);
   claim.arm().StartMove(command);
-  while (!claim.arm().MoveDone()) evaluator.Yield();
+  if (!claim.arm().MoveDone()) evaluator.Yield([&] { return claim.arm().MoveDone(); });
 }
 
 Value MoveJ(Evaluator& evaluator, const Arguments& a) {
@@ -130,7 +130,7 @@ Value ServoJ(Evaluator& evaluator, const Arguments& a) {
 void Stop(Evaluator& evaluator, double acceleration) {
   ArmClaim claim(evaluator);
   claim.arm().Stop(acceleration);
-  while (!claim.arm().AtRest()) evaluator.Yield();
+  if (!claim.arm().AtRest()) evaluator.Yield([&] { return claim.arm().AtRest(); });
 }
 
 }  // namespace

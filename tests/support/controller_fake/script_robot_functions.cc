@@ -165,7 +165,7 @@ Value ShowPopup(Evaluator& e, const Arguments& a) {
   popup.blocking = truth(4, "blocking", false);
   e.machine().popup = popup;
   e.machine().show(popup);
-  while (popup.blocking && e.machine().popup) e.Yield();
+  if (popup.blocking) e.Yield([&] { return !e.machine().popup; });
   return {};
 }
 
@@ -176,8 +176,7 @@ void AddWaiting(BuiltIns& functions) {
   };
   functions["sleep"] = [](Evaluator& e, const Arguments& a) -> Value {
     const double end_s = e.machine().state.time_s + a.At(0, "t").Number();
-    do e.Yield();
-    while (e.machine().state.time_s < end_s - 1e-9);
+    e.Yield([&] { return e.machine().state.time_s >= end_s - 1e-9; });
     return {};
   };
   functions["get_steptime"] = [](Evaluator&, const Arguments&) -> Value {

@@ -30,7 +30,8 @@ void ScriptThread::Hand() {
 }
 
 void ScriptThread::Turn() {
-  if (finished_) return;
+  if (finished_ || (awaited_ && !awaited_())) return;
+  awaited_ = {};
   Hand();
   if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
 }
@@ -40,7 +41,8 @@ void ScriptThread::Kill() {
   if (!finished_ && !running_) Hand();
 }
 
-void ScriptThread::Yield() {
+void ScriptThread::Yield(std::function<bool()> awaited) {
+  awaited_ = std::move(awaited);
   back_.release();
   go_.acquire();
   if (killed_) throw ThreadKilled{};

@@ -24,14 +24,16 @@ class ScriptThread {
   void Turn();
   // Unwinds it, unless it is the caller itself, which goes on until it next yields.
   void Kill();
-  // By the thread itself: the period is over for it.
-  void Yield();
+  // By the thread itself: the period is over for it. With `awaited`, the next turns go by until it
+  // holds, which is cheaper than to wake the thread for each look.
+  void Yield(std::function<bool()> awaited = {});
 
  private:
   void Hand();
 
   int id_;
   bool finished_ = false, killed_ = false, running_ = false;
+  std::function<bool()> awaited_;
   std::exception_ptr thrown_;
   std::binary_semaphore go_{0}, back_{0};
   std::thread worker_;
