@@ -119,6 +119,30 @@ Style Page(const pugi::xml_node& svg, const std::string& file, SvgDrawing& drawi
   return style;
 }
 
+// Cells whose middle is within half the width of the line; at least the cells that it runs through.
+// (OpenCV's thick lines are a cell wider than asked for.)
+void StrokeLine(const SvgLine& line, double width, double cell, float height_m, cv::Mat& image) {
+  if (!(width > 0)) return;
+  const double half = std::max(width / 2, cell / 2);
+  const size_t segments = line.points.size() - (line.closed ? 0 : 1);
+  for (size_t k = 0; k < segments; ++k) {
+    const Eigen::Vector2d a = line.points[k], b = line.points[(k + 1) % line.points.size()];
+    const Eigen::Array2d low = (a.cwiseMin(b).array() - half) / cell,
+                         high = (a.cwiseMax(b).array() + half) / cell;
+    const auto index = [](double value, int count) {
+      return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(count)));
+    };
+    for (int row = index(low.y(), image.rows); row < index(high.y() + 1, image.rows); ++row) {
+      for (int column = index(low.x(), image.cols); column < index(high.x() + 1, image.cols); ++column) {
+        const Eigen::Vector2d p((column + 0.5) * cell, (row + 0.5) * cell), d = b - a;
+        const double along =
+            d.squaredNorm() > 0 ? std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0;
+        if ((a + along * d - p).norm() <= half) image.at<float>(row, column) = height_m;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 SvgDrawing ReadSvg(const std::filesystem::path& file) {
@@ -156,11 +180,8 @@ HeightMap DrawSvg(const SvgDrawing& drawing, double cell, const std::optional<do
       }
     }
     if (shape.filled) cv::fillPoly(image, lines, height_m, cv::LINE_8, kShift);
-    if (!(shape.stroke_width > 0)) continue;
-    // OpenCV's lines are a pixel wider than asked for: both their edges belong to them.
-    const int thickness = std::max(1, static_cast<int>(std::lround(shape.stroke_width / cell)) - 1);
-    for (size_t i = 0; i < lines.size(); ++i)
-      cv::polylines(image, lines[i], shape.lines[i].closed, height_m, thickness, cv::LINE_8, kShift);
+    for (const SvgLine& line : shape.lines)
+      StrokeLine(line, shape.stroke_width, cell, static_cast<float>(height_m[0]), image);
   }
   HeightMap map(rows, columns, cell, 0, Datum::kRelative);
   for (int row = 0; row < rows; ++row) std::copy_n(image.ptr<float>(rows - 1 - row), columns, &map.At(row, 0));

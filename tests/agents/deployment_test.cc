@@ -16,6 +16,8 @@ namespace sandwright {
 namespace {
 
 namespace fs = std::filesystem;
+
+const fs::path kLog = fs::path(::testing::TempDir()) / kLog;
 using ::testing::HasSubstr;
 
 // A rig whose n-th motion ends with a fault.
@@ -39,7 +41,7 @@ class FaultyRig final : public Rig {
 class Deploying : public ::testing::Test {
  protected:
   Deploying() {
-    fs::remove_all("log");
+    fs::remove_all(kLog);
     config_.scan.cell_size_m = 0.005;
   }
   SimulatedRig MakeRig(const SandModel& world) const {
@@ -47,7 +49,7 @@ class Deploying : public ::testing::Test {
   }
   Deployment Go(Rig& rig, const std::vector<Stroke>& strokes, DeploymentJob job,
                 const std::function<bool(const std::string&)>& confirm = nullptr) {
-    RigLog log("log", false);
+    RigLog log(kLog, false);
     return Deploy(
         rig, gate_, model_,
         [&](const HeightMap&, int used, int) {
@@ -57,7 +59,7 @@ class Deploying : public ::testing::Test {
         job, config_, confirm, log);
   }
   static int Count(const std::string& event, const std::string& kind) {
-    const auto events = RigLog::ReadEvents("log");
+    const auto events = RigLog::ReadEvents(kLog);
     return static_cast<int>(std::ranges::count_if(
         events, [&](const auto& e) { return e["event"] == event && e.value("kind", "") == kind; }));
   }
@@ -85,8 +87,8 @@ TEST_F(Deploying, PlanRunsStrokeByStroke) {
     EXPECT_LT(stroke.deviation_rad, 0.01);
   }
   EXPECT_EQ(Count("motion", "stroke"), 2);
-  EXPECT_EQ(ReadStrokeFile("log/strokes.h5").strokes.size(), 2u);
-  EXPECT_EQ(ReadStrokeFile("log/strokes.h5").source, "simulated");
+  EXPECT_EQ(ReadStrokeFile(kLog / "strokes.h5").strokes.size(), 2u);
+  EXPECT_EQ(ReadStrokeFile(kLog / "strokes.h5").source, "simulated");
 }
 
 TEST_F(Deploying, RefusedStrokeNeverReachesTheArm) {
@@ -96,7 +98,7 @@ TEST_F(Deploying, RefusedStrokeNeverReachesTheArm) {
   EXPECT_EQ(planned.end, "refused");
   EXPECT_THAT(planned.reason, HasSubstr("below the box floor"));
   EXPECT_EQ(Count("motion", "stroke"), 0);
-  fs::remove_all("log");
+  fs::remove_all(kLog);
   const Deployment chosen = Go(rig, {deep_, line_, deep_, deep_, deep_, line_}, {});
   EXPECT_EQ(chosen.end, "refused");
   EXPECT_THAT(chosen.reason, HasSubstr("3 strokes in a row"));
@@ -115,14 +117,14 @@ TEST_F(Deploying, NoIsNo) {
 
 TEST_F(Deploying, FaultEndsTheRunWhereverItComes) {
   for (int fault_at = 0; fault_at < 4; ++fault_at) {
-    fs::remove_all("log");
+    fs::remove_all(kLog);
     SimulatedRig rig = MakeRig(model_);
     FaultyRig faulty(rig, fault_at);
     const Deployment done = Go(faulty, {line_, bent_}, {});
     EXPECT_FALSE(done.ok);
     EXPECT_EQ(done.end, "force");
     EXPECT_EQ(faulty.motions, fault_at + 1);  // nothing after it
-    EXPECT_EQ(RigLog::ReadEvents("log").back()["event"], "end");
+    EXPECT_EQ(RigLog::ReadEvents(kLog).back()["event"], "end");
   }
 }
 
@@ -134,7 +136,7 @@ TEST_F(Deploying, SandThatDoesSomethingElseEndsAPlanAndNotAnAgent) {
   const Deployment planned = Go(rig, {line_, bent_}, {.planned = true});
   EXPECT_EQ(planned.end, "rescan");
   EXPECT_EQ(planned.strokes.size(), 1u);
-  fs::remove_all("log");
+  fs::remove_all(kLog);
   SimulatedRig again = MakeRig(world);
   EXPECT_EQ(Go(again, {line_, bent_}, {}).end, "done");
 }
@@ -157,7 +159,7 @@ TEST_F(Deploying, DryRunLeavesTheSandAlone) {
   EXPECT_EQ(Count("motion", "stroke"), 2);
   EXPECT_EQ(rig.truth().height_m, terrain_.height_m);
   config_.dry_run_deviation_rad = 1e-6;
-  fs::remove_all("log");
+  fs::remove_all(kLog);
   EXPECT_EQ(Go(rig, {line_}, {.mode = DeployMode::kDryRun}).end, "dry run failed");
 }
 
@@ -166,7 +168,7 @@ TEST_F(Deploying, GoalAndBudgetEndARun) {
   HeightMap goal = terrain_;
   goal.mask.assign(goal.size(), 1);
   EXPECT_EQ(Go(rig, {line_}, {.goal = goal}).end, "goal reached");
-  fs::remove_all("log");
+  fs::remove_all(kLog);
   EXPECT_EQ(Go(rig, {line_, line_, line_}, {.max_strokes = 1}).end, "budget used");
 }
 

@@ -18,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const fs::path kLog = fs::path(::testing::TempDir()) / kLog;
+
 // Pictures of the bed before and after a stroke, handed out by a command as a camera's would.
 class Camera {
  public:
@@ -42,13 +44,13 @@ class Camera {
   }
 
  private:
-  fs::path folder_ = fs::absolute("camera");
+  fs::path folder_ = fs::absolute(fs::path(::testing::TempDir()) / "camera");
 };
 
 class DeployingOnUr : public ::testing::Test {
  protected:
   DeployingOnUr() {
-    fs::remove_all("log");
+    fs::remove_all(kLog);
     config_.scan.cell_size_m = 0.005;
     SandState state(before_);
     model_.Apply({&state, 1}, {&stroke_, 1});
@@ -63,7 +65,7 @@ class DeployingOnUr : public ::testing::Test {
   }
   Deployment Go() {
     UrRig rig(Address(), *gate_, false);
-    RigLog log("log", false);
+    RigLog log(kLog, false);
     return Deploy(
         rig, *gate_, model_,
         [&](const HeightMap&, int used, int) {
@@ -91,7 +93,7 @@ TEST_F(DeployingOnUr, StrokeIsDoneSeenAndJudged) {
   EXPECT_LT(done.strokes[0].rescan.prediction_rmse_m, 0.5 * done.strokes[0].rescan.change_rms_m);
   // To the camera, once in the air for the forces, once in the sand, to the camera again.
   EXPECT_EQ(fake_->scripts().size(), 4u);
-  const StrokeFile data = ReadStrokeFile("log/strokes.h5");
+  const StrokeFile data = ReadStrokeFile(kLog / "strokes.h5");
   ASSERT_EQ(data.strokes.size(), 1u);
   EXPECT_EQ(data.source, "rig");
   const ToolPath& path = data.strokes[0].path;
@@ -112,7 +114,7 @@ TEST_F(DeployingOnUr, EmergencyStopEndsTheRunAndNothingFollows) {
   EXPECT_FALSE(done.ok);
   EXPECT_EQ(done.end, "emergency_stop") << done.reason;
   EXPECT_EQ(fake_->scripts().size(), 2u);
-  const auto events = RigLog::ReadEvents("log");
+  const auto events = RigLog::ReadEvents(kLog);
   EXPECT_EQ(events.back()["event"], "end");
   EXPECT_TRUE(std::ranges::any_of(
       events, [](const auto& e) { return e["event"] == "moved" && e["end"] == "emergency_stop"; }));

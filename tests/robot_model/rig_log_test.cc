@@ -18,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const fs::path kLog = fs::path(::testing::TempDir()) / kLog;
+
 // Counts what reaches the arm.
 class CountingRig final : public Rig {
  public:
@@ -41,7 +43,7 @@ class CountingRig final : public Rig {
 
 class Log : public ::testing::Test {
  protected:
-  Log() { fs::remove_all("log"); }
+  Log() { fs::remove_all(kLog); }
   GatedMotion Motion() const {
     return *gate_.PassTransfer(cell_.camera_pose(), terrain_, cell_.home()).motion;
   }
@@ -53,30 +55,30 @@ class Log : public ::testing::Test {
 };
 
 TEST_F(Log, TellsTheIntentionAndTheOutcome) {
-  RigLog log("log", false);
+  RigLog log(kLog, false);
   LoggedRig logged(rig_, log);
   EXPECT_TRUE(logged.Execute(Motion(), {}).finished);
   EXPECT_FALSE(logged.Scan({}).accepted);
-  const auto events = RigLog::ReadEvents("log");
+  const auto events = RigLog::ReadEvents(kLog);
   ASSERT_EQ(events.size(), 3u);
   EXPECT_EQ(events[0]["event"], "motion");
   EXPECT_EQ(events[0]["kind"], "transfer");
   EXPECT_EQ(events[1]["event"], "moved");
   EXPECT_EQ(events[1]["end"], "finished");
   EXPECT_EQ(events[2]["reasons"][0], "dark");
-  EXPECT_THAT(ReadFile("log/" + events[1]["file"].get<std::string>()),
+  EXPECT_THAT(ReadFile(kLog / events[1]["file"].get<std::string>()),
               ::testing::StartsWith("time_s,commanded_1_rad"));
 }
 
 TEST_F(Log, FullDiskStopsBeforeTheArmMoves) {
-  RigLog log("log", false);
+  RigLog log(kLog, false);
   LoggedRig logged(rig_, log);
   log.Add("begin");
   signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   rlimit full = before;
-  full.rlim_cur = fs::file_size("log/events.jsonl") + 10;
+  full.rlim_cur = fs::file_size(kLog / "events.jsonl") + 10;
   setrlimit(RLIMIT_FSIZE, &full);
   EXPECT_THROW(logged.Execute(Motion(), {}), Error);
   setrlimit(RLIMIT_FSIZE, &before);
@@ -84,35 +86,35 @@ TEST_F(Log, FullDiskStopsBeforeTheArmMoves) {
 }
 
 TEST_F(Log, HalfALineIsDroppedAndGoneOnFrom) {
-  { RigLog("log", false).Add("begin", {{"arm", "simulated"}}); }
-  std::ofstream("log/events.jsonl", std::ios::app) << "{\"event\":\"mot";
-  EXPECT_EQ(RigLog::ReadEvents("log").size(), 1u);
-  { RigLog("log", true).Add("resume"); }
-  const auto events = RigLog::ReadEvents("log");
+  { RigLog(kLog, false).Add("begin", {{"arm", "simulated"}}); }
+  std::ofstream(kLog / "events.jsonl", std::ios::app) << "{\"event\":\"mot";
+  EXPECT_EQ(RigLog::ReadEvents(kLog).size(), 1u);
+  { RigLog(kLog, true).Add("resume"); }
+  const auto events = RigLog::ReadEvents(kLog);
   ASSERT_EQ(events.size(), 2u);
   EXPECT_EQ(events[1]["event"], "resume");
 }
 
 TEST_F(Log, KeepsStrokesAsData) {
-  RigLog log("log", false);
+  RigLog log(kLog, false);
   StrokeRecord record;
   record.before = record.after = terrain_;
   record.stroke = TypicalStroke(0.6, 0.4, 0);
   record.path = SamplePath(record.stroke, 0.005);
   for (int i = 0; i < 2; ++i) log.AddStroke({"rig", "a bed", 0, "{}", {}, {}}, record);
-  const StrokeFile file = ReadStrokeFile("log/strokes.h5");
+  const StrokeFile file = ReadStrokeFile(kLog / "strokes.h5");
   ASSERT_EQ(file.strokes.size(), 2u);
   EXPECT_EQ(file.strokes[1].step, 1);
   EXPECT_TRUE(file.strokes[1].time.has_value());
 }
 
 TEST_F(Log, FolderInTheOtherStateIsRefused) {
-  EXPECT_THROW(RigLog("log", true), Error);
-  { RigLog log("log", false); log.Add("begin"); }
-  EXPECT_THROW(RigLog("log", false), Error);
+  EXPECT_THROW(RigLog(kLog, true), Error);
+  { RigLog log(kLog, false); log.Add("begin"); }
+  EXPECT_THROW(RigLog(kLog, false), Error);
   EXPECT_THROW(RigLog::ReadEvents("nowhere"), Error);
-  WriteFileAtomically("log/events.jsonl", "no event\n{}\n");
-  EXPECT_THROW(RigLog::ReadEvents("log"), Error);
+  WriteFileAtomically(kLog / "events.jsonl", "no event\n{}\n");
+  EXPECT_THROW(RigLog::ReadEvents(kLog), Error);
 }
 
 }  // namespace
