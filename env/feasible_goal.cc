@@ -75,9 +75,9 @@ void MeasureSlopes(const HeightMap& goal, double limit, size_t counted, Feasibil
   found.steep_share = static_cast<double>(std::ranges::count(steep, 1)) / static_cast<double>(counted);
 }
 
-// The level shift that gives max(floor, height + shift) the terrain's volume over the mask. It grows with the shift
-// without a jump, so halving finds it.
-double LevelShift(const HeightMap& goal, const HeightMap& terrain) {
+// The smallest level shift with which max(floor, height + shift) has the terrain's volume over the mask, but for what
+// the ground around it takes or gives. The volume grows with the shift without a jump, so halving finds it.
+double LevelShift(const HeightMap& goal, const HeightMap& terrain, double free_spread_m) {
   const bool floor = terrain.datum == Datum::kFloor;
   const auto surplus = [&](double shift_m) {
     double sum_m = 0;
@@ -88,12 +88,15 @@ double LevelShift(const HeightMap& goal, const HeightMap& terrain) {
     }
     return sum_m;
   };
+  const double free_m = free_spread_m * static_cast<double>(std::ranges::count(goal.mask, 0));
+  const double target_m = std::clamp(surplus(0), -free_m, free_m);
+  if (target_m == surplus(0)) return 0;
   double low_m = -1e-3, high_m = 1e-3;
-  while (surplus(low_m) > 0 && low_m > -1e3) low_m *= 2;
-  while (surplus(high_m) < 0) high_m *= 2;
+  while (surplus(low_m) > target_m && low_m > -1e3) low_m *= 2;
+  while (surplus(high_m) < target_m) high_m *= 2;
   for (int i = 0; i < 60; ++i) {
     const double middle_m = (low_m + high_m) / 2;
-    (surplus(middle_m) < 0 ? low_m : high_m) = middle_m;
+    (surplus(middle_m) < target_m ? low_m : high_m) = middle_m;
   }
   return (low_m + high_m) / 2;
 }
@@ -139,7 +142,7 @@ HeightMap NearestFeasible(const HeightMap& goal, const HeightMap& terrain, const
   Widen(shaped, config);
   RelaxToRepose(shaped, config.repose_deg);
   shaped.mask = goal.mask;
-  const double shift_m = LevelShift(shaped, terrain);
+  const double shift_m = LevelShift(shaped, terrain, config.free_spread_m);
   HeightMap feasible = goal;
   for (size_t i = 0; i < goal.size(); ++i) {
     if (!goal.mask[i]) continue;

@@ -14,6 +14,7 @@ struct FeasibilityConfig {
   double repose_deg = 33;
   double narrowest_pit_m = 0.05;
   double narrowest_crest_m = 0.02;
+  double free_spread_m = 0.02;
 
   void Fields(FieldList& f) {
     f.Add("repose_deg", repose_deg, "angle of repose: no slope stays steeper [deg]", 5, 60);
@@ -21,6 +22,9 @@ struct FeasibilityConfig {
           "pits and grooves are no narrower: the blade's width [m]; 0: as narrow as drawn", 0, 1);
     f.Add("narrowest_crest_m", narrowest_crest_m,
           "crests and heaps are no narrower [m]; 0: as narrow as drawn", 0, 1);
+    f.Add("free_spread_m", free_spread_m,
+          "how far the ground that does not count may rise or sink in the mean, to take or give sand; "
+          "0: what counts keeps its volume [m]", 0, 1);
   }
 };
 
@@ -40,8 +44,8 @@ Feasibility JudgeGoal(const HeightMap& goal, const HeightMap& terrain, const Fea
                       const ReachMap* reach);
 
 // The goal with pits and crests that are too narrow closed and cut, slopes beyond repose slid to rest as sand slides
-// (volume kept; sand that does not count is taken for a smooth continuation), and all of it on the one level that gives
-// it the terrain's volume over the mask; nothing below the floor. Mask and everything else as in `goal`.
+// (volume kept; sand that does not count is taken for a smooth continuation), and all of it raised or lowered as far
+// as the ground that does not count cannot take or give the difference in volume; nothing below the floor. Mask and everything else as in `goal`.
 HeightMap NearestFeasible(const HeightMap& goal, const HeightMap& terrain, const FeasibilityConfig& config);
 
 // Keys of `goal`, volumes in cm3, lengths in mm.

@@ -22,7 +22,7 @@ void CheckArmed(const ControllerAddress& address, bool armed) {
   if (armed || IsLoopback(address.host)) return;
   throw Error(
       "controller " + address.host,
-      {"not armed: an address other than this machine must be armed explicitly",
+      {"not armed: an address other than this machine must be armed explicitly (--armed)",
        "a CB3 has no switch for remote control and its ssh login is published, so that everybody "
        "on its network can move it: connect it by a cable of its own, to nothing else"});
 }

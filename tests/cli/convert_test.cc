@@ -1,11 +1,8 @@
 // `convert` and `goal` as a user meets them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -15,6 +12,7 @@
 #include "data/height_map.h"
 #include "data/stroke_dataset.h"
 #include "data/task.h"
+#include "tests/support/invoke.h"
 
 namespace sandwright {
 namespace {
@@ -22,11 +20,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Field;
 using ::testing::HasSubstr;
-
-struct Finished {
-  int exit_code;
-  std::string output;  // stdout and stderr
-};
 
 class ConvertTest : public ::testing::Test {
  protected:
@@ -44,13 +37,7 @@ class ConvertTest : public ::testing::Test {
   std::string Path(const std::string& name) const { return (folder_ / name).string(); }
   // Runs in the test's folder. SANDWRIGHT_PROGRAM comes from CMake.
   Finished Invoke(const std::string& arguments) const {
-    const std::string line = "cd " + folder_.string() + " && " SANDWRIGHT_PROGRAM " " + arguments + " 2>&1";
-    FILE* pipe = ::popen(line.c_str(), "r");
-    std::string output;
-    std::array<char, 4096> buffer;
-    while (const size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), count);
-    const int status = ::pclose(pipe);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), output};
+    return Shell("cd " + folder_.string() + " && " SANDWRIGHT_PROGRAM " " + arguments);
   }
   void Done(const std::string& arguments) const {
     const Finished run = Invoke(arguments);

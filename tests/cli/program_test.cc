@@ -1,10 +1,7 @@
 // The program as a user meets it: exit codes, messages, files that are never half-written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -15,6 +12,7 @@
 #include "data/height_map.h"
 #include "data/stroke_dataset.h"
 #include "data/task.h"
+#include "tests/support/invoke.h"
 
 namespace sandwright {
 namespace {
@@ -23,22 +21,10 @@ using ::testing::AllOf;
 using ::testing::Field;
 using ::testing::HasSubstr;
 
-struct Finished {
-  int exit_code;
-  std::string output;  // stdout and stderr
-};
-
 // SANDWRIGHT_PROGRAM comes from CMake.
 Finished Invoke(const std::string& arguments, const std::string& before = "",
                 const std::string& behind = "") {
-  const std::string line = before + SANDWRIGHT_PROGRAM " " + arguments + behind + " 2>&1";
-  FILE* pipe = ::popen(line.c_str(), "r");
-  std::string output;
-  std::array<char, 4096> buffer;
-  while (const size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    output.append(buffer.data(), count);
-  const int status = ::pclose(pipe);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), output};
+  return Shell(before + SANDWRIGHT_PROGRAM " " + arguments + behind);
 }
 
 class ProgramTest : public ::testing::Test {

@@ -97,11 +97,28 @@ TEST(FeasibleGoal, TheFloorIsNeverPassedAndUncountedCellsAreKept) {
   const HeightMap goal = Goal(pit);
   const Feasibility found = JudgeGoal(goal, Bed(), {}, nullptr);
   EXPECT_GT(found.below_floor_share, 0.1);
-  const HeightMap feasible = NearestFeasible(goal, Bed(), {});
+  FeasibilityConfig closed;
+  closed.free_spread_m = 0;
+  const HeightMap feasible = NearestFeasible(goal, Bed(), closed);
   EXPECT_GE(std::ranges::min(feasible.height_m), 0);
   EXPECT_NEAR(Volume(feasible, goal.mask), Volume(Bed(), goal.mask), 1e-7);
   EXPECT_EQ(feasible.At(30, 3), 0.08f);
   CheckTask({Bed(), feasible, 10}, "the goal");
+}
+
+// A pit in the middle of free sand is dug where it is: what comes out of it lies around it.
+TEST(FeasibleGoal, FreeGroundTakesAndGivesSand) {
+  const auto pit = [](double x, double y) {
+    const double r = std::hypot(x - 0.4, y - 0.3);
+    return r > 0.15 ? kNothing : 0.08 - 0.02 * std::max(0.0, 1 - r / 0.12);
+  };
+  const HeightMap goal = Goal(pit);
+  EXPECT_LT(GoalError(NearestFeasible(goal, Bed(), {}), goal), 2e-4);
+  FeasibilityConfig little;
+  little.free_spread_m = 0.0001;
+  const HeightMap raised = NearestFeasible(goal, Bed(), little);
+  const double free_m2 = 0.8 * 0.6 - 1e-4 * std::ranges::count(goal.mask, 1);
+  EXPECT_NEAR(Volume(raised, goal.mask), Volume(Bed(), goal.mask) - 0.0001 * free_m2, 1e-6);
 }
 
 TEST(FeasibleGoal, ReachIsTheShareWhereNoStrokeStarts) {
@@ -146,7 +163,9 @@ TEST(VaryGoal, SetsAroundOneGoal) {
   for (int i = 0; i < 20; ++i) {
     const Task task = VaryGoal(Bed(), goal, {}, 9, stream);
     CheckTask(task, "a variation");
-    EXPECT_NEAR(Volume(task.goal, task.goal.mask), Volume(task.terrain, task.goal.mask), 1e-7);
+    const double free_m2 = 0.8 * 0.6 - 1e-4 * std::ranges::count(task.goal.mask, 1);
+    EXPECT_NEAR(Volume(task.goal, task.goal.mask), Volume(task.terrain, task.goal.mask),
+                FeasibilityConfig{}.free_spread_m * free_m2 + 1e-7);
     double highest = 0;
     for (size_t k = 0; k < task.goal.size(); ++k)
       if (task.goal.mask[k]) highest = std::max(highest, static_cast<double>(task.goal.height_m[k]));
