@@ -104,7 +104,8 @@ TEST_F(ConvertTest, GoalsFromEverySource) {
   HeightMap before = ReadHeightMap(Path("bed.h5"));
   before.At(30, 40) += 0.01f;
   WriteHeightMap(before, Path("before.h5"));
-  const std::string common = " --terrain bed.h5 --out g.h5 --picture g.png --json r.json";
+  const std::string common =
+      " goal.free_spread_m=0 --terrain bed.h5 --out g.h5 --picture g.png --json r.json";
   for (const char* source : {"--image disc.png --range-mm 0 25", "--svg d.svg", "--mesh m.obj --unit mm --rotate-deg 30 --at 0.4 0.3",
                              "--scan before.h5", "--shape mound --rise-mm 20", "--mesh m.obj --unit m --size 0.3"}) {
     Done("goal " + std::string(source) + common);

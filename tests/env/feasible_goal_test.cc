@@ -117,7 +117,7 @@ TEST(FeasibleGoal, FreeGroundTakesAndGivesSand) {
   FeasibilityConfig little;
   little.free_spread_m = 0.0001;
   const HeightMap raised = NearestFeasible(goal, Bed(), little);
-  const double free_m2 = 0.8 * 0.6 - 1e-4 * std::ranges::count(goal.mask, 1);
+  const double free_m2 = 0.8 * 0.6 - 1e-4 * static_cast<double>(std::ranges::count(goal.mask, 1));
   EXPECT_NEAR(Volume(raised, goal.mask), Volume(Bed(), goal.mask) - 0.0001 * free_m2, 1e-6);
 }
 
@@ -163,7 +163,7 @@ TEST(VaryGoal, SetsAroundOneGoal) {
   for (int i = 0; i < 20; ++i) {
     const Task task = VaryGoal(Bed(), goal, {}, 9, stream);
     CheckTask(task, "a variation");
-    const double free_m2 = 0.8 * 0.6 - 1e-4 * std::ranges::count(task.goal.mask, 1);
+    const double free_m2 = 0.8 * 0.6 - 1e-4 * static_cast<double>(std::ranges::count(task.goal.mask, 1));
     EXPECT_NEAR(Volume(task.goal, task.goal.mask), Volume(task.terrain, task.goal.mask),
                 FeasibilityConfig{}.free_spread_m * free_m2 + 1e-7);
     double highest = 0;
