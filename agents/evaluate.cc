@@ -109,28 +109,30 @@ Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& confi
   return result;
 }
 
+cv::Mat DrawTask(const Task& task, const HeightMap& end) {
+  const auto range = std::ranges::minmax(task.terrain.height_m);
+  const int scale = std::max(1, kPicturePixels / std::max(end.rows, end.columns));
+  const auto heights = [&](const HeightMap& map) {
+    return DrawHeights(map, range.min, range.max, scale);
+  };
+  const auto error = [&](const HeightMap& map) {
+    return DrawDifference(map, task.goal, kPictureError_m, scale);
+  };
+  const cv::Mat parts[] = {heights(task.terrain), heights(task.goal), heights(end),
+                           error(task.terrain), error(end)};
+  cv::Mat row;
+  cv::hconcat(parts, std::size(parts), row);
+  return row;
+}
+
 void DrawEvaluation(const Evaluation& evaluation, std::span<const Task> tasks,
                     const std::filesystem::path& folder) {
   SAND_CHECK(evaluation.end.size() == tasks.size());
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure) throw Error("cannot make folder " + folder.string() + ": " + failure.message());
-  for (size_t i = 0; i < tasks.size(); ++i) {
-    const HeightMap &terrain = tasks[i].terrain, &goal = tasks[i].goal;
-    const auto range = std::ranges::minmax(terrain.height_m);
-    const int scale = std::max(1, kPicturePixels / std::max(terrain.rows, terrain.columns));
-    const auto heights = [&](const HeightMap& map) {
-      return DrawHeights(map, range.min, range.max, scale);
-    };
-    const auto error = [&](const HeightMap& map) {
-      return DrawDifference(map, goal, kPictureError_m, scale);
-    };
-    const cv::Mat parts[] = {heights(terrain), heights(goal), heights(evaluation.end[i]),
-                             error(terrain), error(evaluation.end[i])};
-    cv::Mat row;
-    cv::hconcat(parts, std::size(parts), row);
-    WritePicture(row, folder / fmt::format("task_{:05}.png", i));
-  }
+  for (size_t i = 0; i < tasks.size(); ++i)
+    WritePicture(DrawTask(tasks[i], evaluation.end[i]), folder / fmt::format("task_{:05}.png", i));
 }
 
 EpisodeConfig EpisodeConfigFor(const Agent& agent, EpisodeConfig config) {

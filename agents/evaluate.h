@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,7 +38,10 @@ Evaluation Evaluate(Agent& agent, const World& world, const EpisodeConfig& confi
                     std::span<const Task> tasks, uint64_t seed,
                     const std::function<void(int64_t)>& progress = {});
 
-// DIR/task_NNNNN.png for each task: start, goal, end, error at the start and at the end (+-12 mm).
+// One task from left to right: start, goal, end, error at the start and at the end (+-12 mm). BGR.
+cv::Mat DrawTask(const Task& task, const HeightMap& end);
+
+// DIR/task_NNNNN.png for each task.
 void DrawEvaluation(const Evaluation& evaluation, std::span<const Task> tasks,
                     const std::filesystem::path& folder);
 

@@ -203,7 +203,11 @@ PpoReport Ppo::Update() {
   const Rollout rollout = Collect(report);
   report.rollout_s = SecondsSince(start);
   start = Clock::now();
-  report.learning_rate = config_.learning_rate * ShareLeft(config_.learning_rate_schedule, steps_, total_steps_);
+  const bool adaptive = config_.learning_rate_schedule == "adaptive";
+  report.learning_rate =
+      adaptive ? adapted_rate_
+               : config_.learning_rate *
+                     ShareLeft(config_.learning_rate_schedule, steps_, total_steps_);
   report.clip_range = config_.clip_range * ShareLeft(config_.clip_range_schedule, steps_, total_steps_);
   report.explained_variance = ExplainedVariance(rollout.value, rollout.value_target);
   report.advantage_deviation = rollout.advantage.std().item<double>();
@@ -225,13 +229,14 @@ PpoReport Ppo::Update() {
       const double kl = Step(
           shuffled.Map([&](const torch::Tensor& t) { return t.narrow(0, begin, end - begin); }),
           report);
-      moved_enough = config_.target_kl > 0 && kl > 1.5 * config_.target_kl;
+      moved_enough = !adaptive && config_.target_kl > 0 && kl > 1.5 * config_.target_kl;
     }
   }
   for (double* mean : {&report.policy_loss, &report.value_loss, &report.entropy, &report.approx_kl,
                        &report.clip_fraction, &report.gradient_norm})
     *mean /= static_cast<double>(gradient_steps);
   steps_ += count;
+  if (adaptive) adapted_rate_ = AdaptedRate(adapted_rate_, report.approx_kl, config_.target_kl);
   // Only now: while the rollout was learnt from, observations had to look as when it was collected.
   network_.Observe(rollout.observation);
   report.update_s = SecondsSince(start);
@@ -269,6 +274,7 @@ void Ppo::Save(Safetensors& content) const {
   nlohmann::json state = {{"steps", steps_},
                           {"shuffle", StreamToJson(shuffle_stream_)},
                           {"returns", return_scaler_.ToJson()},
+                          {"adapted_rate", adapted_rate_},
                           {"action", StreamsToJson(action_streams_)}};
   content.metadata["ppo_state"] = state.dump();
   SaveWeights(network_, "network.", content);
@@ -283,6 +289,7 @@ void Ppo::Load(const Safetensors& content, const std::string& source) {
   steps_ = state.at("steps");
   shuffle_stream_ = StreamFromJson(state.at("shuffle"));
   return_scaler_.FromJson(state.at("returns"));
+  adapted_rate_ = state.at("adapted_rate");
   RestartEpisodes();
 }
 

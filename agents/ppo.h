@@ -80,6 +80,7 @@ class Ppo final : public Trainer {
   FlatAdam optimizer_;
   std::vector<RandomStream> action_streams_;  // one an environment
   RandomStream shuffle_stream_;
+  double adapted_rate_ = config_.learning_rate;  // of the adaptive schedule
   ReturnScaler return_scaler_;
   ObservationBatch observation_;
 };

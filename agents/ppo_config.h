@@ -29,8 +29,10 @@ struct PpoConfig {
     f.Add("gamma", gamma, "discount", 0, 1);
     f.Add("gae_lambda", gae_lambda, "weight of longer advantage estimates", 0, 1);
     f.Add("learning_rate", learning_rate, "of Adam, at the start", 0, 1);
-    f.Add("learning_rate_schedule", learning_rate_schedule, "over total_steps; linear ends at 0",
-          {"linear", "constant"});
+    f.Add("learning_rate_schedule", learning_rate_schedule,
+          "over total_steps; linear ends at 0; adaptive: after an update that moved the policy by more than twice "
+          "target_kl it falls by a third, by less than half of it grows by a half",
+          {"linear", "constant", "adaptive"});
     f.Add("clip_range", clip_range, "of the probability ratio, at the start", 0, 1);
     f.Add("clip_range_schedule", clip_range_schedule, "over total_steps; linear ends at 0",
           {"linear", "constant"});
@@ -41,7 +43,7 @@ struct PpoConfig {
     f.Add("value_coefficient", value_coefficient, "weight of the value loss", 0, 100);
     f.Add("max_gradient_norm", max_gradient_norm, "gradients are scaled to at most this norm", 0,
           1e6);
-    f.Add("target_kl", target_kl, "an update stops where the policy moved 1.5 times this; 0: never",
+    f.Add("target_kl", target_kl, "an update stops where the policy moved 1.5 times this (not with the adaptive schedule, which aims at it); 0: never",
           0, 10);
     f.Add("scale_rewards", scale_rewards,
           "divide rewards by the running deviation of their discounted sum");

@@ -9,6 +9,7 @@
 
 #include "data/base/atomic_file.h"
 #include "data/base/error.h"
+#include "data/picture.h"
 
 namespace sandwright {
 namespace {
@@ -71,6 +72,10 @@ void RunLog::Write(int64_t step, const std::map<std::string, double>& scalars) {
   if (!out) throw Error("cannot write " + csv_.string());
   const std::vector<std::pair<std::string, double>> pairs(scalars.begin(), scalars.end());
   tensorboard_.Write(step, pairs);
+}
+
+void RunLog::WritePicture(int64_t step, const std::string& tag, const cv::Mat& bgr) {
+  tensorboard_.WritePicture(step, tag, bgr.cols, bgr.rows, EncodePng(bgr));
 }
 
 }  // namespace sandwright

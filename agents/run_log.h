@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <opencv2/core.hpp>
 #include <string>
 
 #include "data/base/tensorboard.h"
@@ -17,6 +18,7 @@ class RunLog {
   // a resumed run writes them anew.
   RunLog(const std::filesystem::path& folder, int64_t first_step);
   void Write(int64_t step, const std::map<std::string, double>& scalars);
+  void WritePicture(int64_t step, const std::string& tag, const cv::Mat& bgr);
 
  private:
   std::filesystem::path csv_;

@@ -1,5 +1,8 @@
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <opencv2/core.hpp>
+
 #include "agents/evaluate.h"
 #include "agents/expert_iteration.h"
 #include "agents/policy_agent.h"
@@ -72,11 +75,17 @@ class SandTraining final : public Training {
     if (result.stopped) return {};
     const double start_mm = result.Mean("in_goal_mean_diff_start_mm"),
                  end_mm = result.Mean("in_goal_mean_diff_mm");
+    constexpr size_t kShown = 4;
+    std::vector<cv::Mat> rows;
+    for (size_t i = 0; i < std::min(kShown, validation_.size()); ++i)
+      rows.push_back(DrawTask(validation_[i], result.end[i]));
+    cv::Mat picture;
+    cv::vconcat(rows, picture);
     return Verdict{end_mm,
                    {{"eval/in_goal_mean_diff_start_mm", start_mm},
                     {"eval/in_goal_mean_diff_mm", end_mm},
                     {"eval/success_rate", result.Mean("success")}},
-                   fmt::format("goal error {:.2f} -> {:.2f} mm", start_mm, end_mm)};
+                   fmt::format("goal error {:.2f} -> {:.2f} mm", start_mm, end_mm), picture};
   }
 
   nlohmann::json EvaluatedOn() const override {

@@ -60,6 +60,8 @@ class Run {
       const bool last = trainer_.steps() >= config_.total_steps;
       if (last || Passed(before, config_.evaluate_every)) note += Evaluate(scalars);
       log.Write(trainer_.steps(), scalars);
+      if (verdict_ && !verdict_->picture.empty())
+        log.WritePicture(trainer_.steps(), "eval/tasks", std::exchange(verdict_->picture, {}));
       progress.Update(trainer_.steps(), note);
       const bool stop = StopRequested();
       if (last || stop || Passed(before, config_.checkpoint_every)) {

@@ -44,6 +44,13 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+double AdaptedRate(double rate, double kl, double target_kl) {
+  constexpr double kFactor = 1.5, kLowest = 1e-6, kHighest = 1e-2;
+  if (kl > 2 * target_kl) return std::max(kLowest, rate / kFactor);
+  if (kl < 0.5 * target_kl) return std::min(kHighest, rate * kFactor);
+  return rate;
+}
+
 double ShareLeft(const std::string& schedule, int64_t steps, int64_t total_steps) {
   if (schedule == "constant") return 1;
   const auto total = static_cast<double>(std::max<int64_t>(total_steps, 1));

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 
@@ -17,6 +18,7 @@ struct Verdict {
   double cost;                            // the less the better
   std::map<std::string, double> scalars;  // eval/...
   std::string note;                       // for the progress line
+  cv::Mat picture = {};                   // of some of what it was evaluated on, BGR; or empty
 };
 
 class Training {

@@ -75,6 +75,20 @@ void TensorboardWriter::Write(int64_t step,
   std::string summary;  // Summary: repeated Value = 1 {tag = 1, simple_value = 2}
   for (const auto& [tag, value] : scalars)
     summary += Bytes(1, Bytes(1, tag) + Key(2, 5) + Raw(static_cast<float>(value)));
+  WriteSummary(step, summary);
+}
+
+void TensorboardWriter::WritePicture(int64_t step, const std::string& tag, int width, int height,
+                                     std::string_view png) {
+  constexpr uint64_t kRgb = 3;
+  // Value: tag = 1, image = 4 {height = 1, width = 2, colorspace = 3, encoded_image_string = 4}
+  const std::string image = Key(1, 0) + Varint(static_cast<uint64_t>(height)) + Key(2, 0) +
+                            Varint(static_cast<uint64_t>(width)) + Key(3, 0) + Varint(kRgb) +
+                            Bytes(4, png);
+  WriteSummary(step, Bytes(1, Bytes(1, tag) + Bytes(4, image)));
+}
+
+void TensorboardWriter::WriteSummary(int64_t step, const std::string& summary) {
   WriteRecord(Key(1, 1) + Raw(WallTime_s()) + Key(2, 0) + Varint(static_cast<uint64_t>(step)) +
               Bytes(5, summary));
 }

@@ -23,8 +23,12 @@ class TensorboardWriter {
 
   // One event with all `scalars` (tag, value) at `step`; on disk when the call returns.
   void Write(int64_t step, std::span<const std::pair<std::string, double>> scalars);
+  // The same for a picture, PNG bytes of `width` x `height` pixels in colour.
+  void WritePicture(int64_t step, const std::string& tag, int width, int height,
+                    std::string_view png);
 
  private:
+  void WriteSummary(int64_t step, const std::string& summary);
   void WriteRecord(const std::string& payload);
 
   std::filesystem::path file_;

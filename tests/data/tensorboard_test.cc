@@ -67,6 +67,7 @@ TEST(TensorboardWriter, RecordsReadBack) {
     TensorboardWriter writer(folder);
     const std::pair<std::string, double> scalars[] = {{"train/loss", 0.5}, {"time/fps", 1234.25}};
     writer.Write(300, scalars);
+    writer.WritePicture(301, "eval/tasks", 640, 200, "PNG bytes");
   }
   const auto file = std::filesystem::directory_iterator(folder)->path();
   EXPECT_EQ(file.filename().string().rfind("events.out.tfevents.", 0), 0u);
@@ -83,7 +84,7 @@ TEST(TensorboardWriter, RecordsReadBack) {
     EXPECT_EQ(Take<uint32_t>(rest), Masked(payload));
     events.push_back(Parse(payload));
   }
-  ASSERT_EQ(events.size(), 2u);
+  ASSERT_EQ(events.size(), 3u);
   EXPECT_EQ(events[0].find(3)->second, "brain.Event:2");
   EXPECT_EQ(events[1].find(2)->second, "300");
   std::map<std::string, float> values;
@@ -95,6 +96,12 @@ TEST(TensorboardWriter, RecordsReadBack) {
     std::memcpy(&number, value.find(2)->second.data(), sizeof number);
     values[value.find(1)->second] = number;
   }
+  const auto picture = Parse(Parse(events[2].find(5)->second).find(1)->second);
+  EXPECT_EQ(picture.find(1)->second, "eval/tasks");
+  const auto image = Parse(picture.find(4)->second);
+  EXPECT_EQ(image.find(1)->second, "200");
+  EXPECT_EQ(image.find(2)->second, "640");
+  EXPECT_EQ(image.find(4)->second, "PNG bytes");
   EXPECT_EQ(values, (std::map<std::string, float>{{"train/loss", 0.5f}, {"time/fps", 1234.25f}}));
 }
 
