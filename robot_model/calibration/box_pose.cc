@@ -21,9 +21,14 @@ struct Constraint {
   Eigen::Matrix3d seen;
   bool seen_in_B;  // frame in which `seen` is expressed
 
+  // `seen` as it acts on vectors expressed in W.
+  Eigen::Matrix3d Rows(const Eigen::Isometry3d& X_WB) const {
+    if (!seen_in_B) return seen;
+    return seen * X_WB.linear().transpose();
+  }
   Eigen::Vector3d Miss(const Eigen::Isometry3d& X_WB) const {
     const Eigen::Vector3d miss_W = X_WB * p_B - p_W;
-    return seen_in_B ? seen * (X_WB.linear().transpose() * miss_W) : seen * miss_W;
+    return Rows(X_WB) * miss_W;
   }
 };
 
@@ -49,7 +54,7 @@ Eigen::Matrix<double, 3, 6> PointJacobian(const Eigen::Vector3d& p_W,
   return J;
 }
 
-// Gauss-Newton; the problem is that of fitting a rigid body, which a good start is not needed for.
+// Gauss-Newton with bounded turns; fitting a rigid body needs no good start.
 Fit Solve(const std::vector<Constraint>& all, const std::vector<size_t>& in,
           const Workcell& cell) {
   Fit fit{cell.X_WB.ToIsometry()};
@@ -61,10 +66,8 @@ Fit Solve(const std::vector<Constraint>& all, const std::vector<size_t>& in,
     information = 1e-9 * Matrix6::Identity();
     Vector6 gradient = Vector6::Zero();
     for (const size_t i : in) {
-      const Eigen::Matrix3d rows =
-          all[i].seen_in_B ? Eigen::Matrix3d(all[i].seen * fit.X_WB.linear().transpose())
-                           : all[i].seen;
-      const Eigen::Matrix<double, 3, 6> J = rows * PointJacobian(fit.X_WB * all[i].p_B, centre);
+      const Eigen::Matrix<double, 3, 6> J =
+          all[i].Rows(fit.X_WB) * PointJacobian(fit.X_WB * all[i].p_B, centre);
       information += J.transpose() * J;
       gradient += J.transpose() * all[i].Miss(fit.X_WB);
     }

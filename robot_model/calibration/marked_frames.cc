@@ -46,6 +46,48 @@ bool IsPicture(const std::filesystem::path& file) {
   return extension == ".png" || extension == ".jpg" || extension == ".tif";
 }
 
+// Files as given, folders as their pictures by name.
+std::vector<std::filesystem::path> PictureFiles(const std::vector<std::string>& paths) {
+  std::vector<std::filesystem::path> files;
+  for (const std::filesystem::path path : paths) {
+    if (!std::filesystem::is_directory(path)) {
+      files.push_back(path);
+      continue;
+    }
+    std::vector<std::filesystem::path> inside;
+    for (const auto& entry : std::filesystem::directory_iterator(path))
+      if (IsPicture(entry.path())) inside.push_back(entry.path());
+    std::ranges::sort(inside);
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
+// Points found by another program.
+std::vector<MarkedFrame> ReadPoints(const std::filesystem::path& file) {
+  const YAML::Node root = LoadYamlNode(file);
+  const std::string form = ": the key `frames` is needed, a list of {name, points}";
+  if (!root.IsMap() || !root["frames"] || !root["frames"].IsSequence())
+    throw Error(file.string() + form);
+  std::vector<MarkedFrame> frames;
+  for (const YAML::Node& node : root["frames"]) {
+    const std::string where = fmt::format("{}: frame {}", file.string(), frames.size() + 1);
+    if (!node.IsMap() || !node["points"] || !node["points"].IsSequence())
+      throw Error(where + ": `points` is needed, a list of [id, u, v]");
+    MarkedFrame frame;
+    frame.name = node["name"] ? node["name"].as<std::string>()
+                              : fmt::format("frame {}", frames.size() + 1);
+    for (const YAML::Node& point : node["points"]) {
+      const auto numbers = ReadNumbers(point, 3, where + ": points");
+      if (numbers[0] < 0 || numbers[0] > 1e6 || numbers[0] != std::floor(numbers[0]))
+        throw Error(fmt::format("{}: points: id {}; a whole number is needed", where, numbers[0]));
+      frame.points.push_back({static_cast<int>(numbers[0]), {numbers[1], numbers[2]}});
+    }
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> CharucoBoard::Corners() const {
@@ -120,54 +162,21 @@ cv::Mat ReadGrey(const std::filesystem::path& file) {
   if (picture.depth() == CV_8U) return picture;
   std::vector<float> values;
   cv::Mat(picture.reshape(1, 1)).convertTo(values, CV_32F);
-  const auto bright = values.begin() + static_cast<std::ptrdiff_t>(0.99 * values.size());
+  const auto bright = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
   std::nth_element(values.begin(), bright, values.end());
   picture.convertTo(picture, CV_8U, 255 / std::max(1.0f, *bright));
   return picture;
 }
 
-std::vector<std::filesystem::path> PictureFiles(const std::vector<std::string>& paths) {
-  std::vector<std::filesystem::path> files;
-  for (const std::filesystem::path path : paths) {
-    if (!std::filesystem::is_directory(path)) {
-      files.push_back(path);
-      continue;
-    }
-    std::vector<std::filesystem::path> inside;
-    for (const auto& entry : std::filesystem::directory_iterator(path))
-      if (IsPicture(entry.path())) inside.push_back(entry.path());
-    std::ranges::sort(inside);
-    files.insert(files.end(), inside.begin(), inside.end());
-  }
-  return files;
-}
-
-bool IsMarkedFrames(const std::filesystem::path& file) {
-  const std::string extension = file.extension().string();
-  return extension == ".yaml" || extension == ".yml" || extension == ".json";
-}
-
-std::vector<MarkedFrame> ReadMarkedFrames(const std::filesystem::path& file) {
-  const YAML::Node root = LoadYamlNode(file);
-  const std::string form = ": the key `frames` is needed, a list of {name, points}";
-  if (!root.IsMap() || !root["frames"] || !root["frames"].IsSequence())
-    throw Error(file.string() + form);
+std::vector<MarkedFrame> ReadFrames(
+    const std::vector<std::string>& paths,
+    const std::function<std::vector<MarkedPoint>(const cv::Mat& grey)>& detect) {
+  const std::string extension = std::filesystem::path(paths.front()).extension().string();
+  if (extension == ".yaml" || extension == ".yml" || extension == ".json")
+    return ReadPoints(paths.front());
   std::vector<MarkedFrame> frames;
-  for (const YAML::Node& node : root["frames"]) {
-    const std::string where = fmt::format("{}: frame {}", file.string(), frames.size() + 1);
-    if (!node.IsMap() || !node["points"] || !node["points"].IsSequence())
-      throw Error(where + ": `points` is needed, a list of [id, u, v]");
-    MarkedFrame frame;
-    frame.name = node["name"] ? node["name"].as<std::string>()
-                              : fmt::format("frame {}", frames.size() + 1);
-    for (const YAML::Node& point : node["points"]) {
-      const auto numbers = ReadNumbers(point, 3, where + ": points");
-      if (numbers[0] < 0 || numbers[0] > 1e6 || numbers[0] != std::floor(numbers[0]))
-        throw Error(fmt::format("{}: points: id {}; a whole number is needed", where, numbers[0]));
-      frame.points.push_back({static_cast<int>(numbers[0]), {numbers[1], numbers[2]}});
-    }
-    frames.push_back(frame);
-  }
+  for (const auto& file : PictureFiles(paths))
+    frames.push_back({file.filename().string(), detect(ReadGrey(file))});
   return frames;
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -44,13 +45,11 @@ std::vector<MarkedPoint> DetectTags(const cv::Mat& grey, const std::string& dict
 // A picture file as 8-bit grey; 16-bit infrared is stretched so that its brightest percent is white.
 cv::Mat ReadGrey(const std::filesystem::path& file);
 
-// The picture files that paths name: files as given, folders as their .png, .jpg and .tif by name.
-std::vector<std::filesystem::path> PictureFiles(const std::vector<std::string>& paths);
-
-// Points found by another program: YAML or JSON, `frames: [{name: ..., points: [[id, u, v], ...]}]`.
-// Throws Error naming the entry.
-std::vector<MarkedFrame> ReadMarkedFrames(const std::filesystem::path& file);
-// Whether a path is such a file rather than a picture.
-bool IsMarkedFrames(const std::filesystem::path& file);
+// The frames that paths name. Files as given and folders as their .png, .jpg and .tif by name, each
+// through `detect`; or one YAML or JSON file of points that another program found:
+// `frames: [{name: ..., points: [[id, u, v], ...]}]`. Throws Error naming the entry.
+std::vector<MarkedFrame> ReadFrames(
+    const std::vector<std::string>& paths,
+    const std::function<std::vector<MarkedPoint>(const cv::Mat& grey)>& detect);
 
 }  // namespace sandwright
