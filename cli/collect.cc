@@ -35,6 +35,7 @@ class CollectCommand final : public Command {
   void Fields(FieldList& f) override {
     config_.Fields(f);
     f.Section("deployment", deployment_);
+    f.Section("controller", controller_);
     f.Section("rig", rig_);
   }
 
@@ -66,6 +67,7 @@ class CollectCommand final : public Command {
     rig_request_.threads = threads();
     DeploySettings settings;
     settings.deployment = deployment_;
+    settings.controller = controller_;
     settings.rig = rig_;
     const Deployment done = CollectOnRig(rig_request_, settings, config_);
     fmt::print("{}{}{}: {} new strokes in {}\n", done.end, done.reason.empty() ? "" : ": ",
@@ -78,6 +80,7 @@ class CollectCommand final : public Command {
   CollectConfig config_;
   DeployRequest rig_request_;
   DeploymentConfig deployment_;
+  ControllerPortSettings controller_;
   SimulatedRigConfig rig_;
   CollectRequest request_;
   std::string out_;

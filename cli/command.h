@@ -79,5 +79,7 @@ std::unique_ptr<Command> MakeExportCommand();
 std::unique_ptr<Command> MakeDeployCommand();
 std::unique_ptr<Command> MakeBenchCommand();
 std::unique_ptr<Command> MakeDemoCommand();
+std::unique_ptr<Command> MakeConvertCommand();
+std::unique_ptr<Command> MakeGoalCommand();
 
 }  // namespace sandwright

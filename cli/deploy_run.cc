@@ -14,6 +14,7 @@
 #include "data/picture.h"
 #include "data/shipped.h"
 #include "env/load_sand_model.h"
+#include "robot_model/controller/ur_rig.h"
 #include "robot_model/plan.h"
 
 namespace sandwright {
@@ -160,8 +161,14 @@ class DeployRun {
   }
 
   void MakeRig() {
-    if (request_.arm != "simulated" && request_.mode != "simulate")
-      throw Error("--arm " + request_.arm + ": only `simulated` is there");
+    if (request_.arm != "simulated" && request_.mode != "simulate") {
+      const ControllerPortSettings& ports = settings_.controller;
+      const ControllerAddress address{request_.arm, static_cast<uint16_t>(ports.dashboard_port),
+                                      static_cast<uint16_t>(ports.primary_port),
+                                      static_cast<uint16_t>(ports.rtde_port)};
+      rig_ = std::make_unique<UrRig>(address, gate_, request_.armed);
+      return;
+    }
     if (!terrain_) throw Error("--arm simulated needs --terrain: the bed that it stands over");
     const fs::path bed = fs::path(request_.log) / "bed.h5";
     world_ = LoadSandModel(request_.world, settings_.sand);

@@ -29,8 +29,20 @@ struct DeployRequest {
   nlohmann::json ToJson() const;
 };
 
+// Of a real arm's controller; others than the standard ones for a stand-in.
+struct ControllerPortSettings {
+  int64_t dashboard_port = 29999, primary_port = 30001, rtde_port = 30004;
+
+  void Fields(FieldList& f) {
+    f.Add("dashboard_port", dashboard_port, "of the controller's dashboard server", 1, 65535);
+    f.Add("primary_port", primary_port, "of its primary interface", 1, 65535);
+    f.Add("rtde_port", rtde_port, "of its real-time data exchange", 1, 65535);
+  }
+};
+
 struct DeploySettings {
   DeploymentConfig deployment;
+  ControllerPortSettings controller;
   SimulatedRigConfig rig;
   SandModelConfig sand;
   PlannerConfigs planners;
@@ -39,6 +51,7 @@ struct DeploySettings {
 
   void Fields(FieldList& f) {
     f.Section("deployment", deployment);
+    f.Section("controller", controller);
     f.Section("rig", rig);
     sand.Fields(f);
     planners.Fields(f);

@@ -29,13 +29,14 @@ std::vector<Task> MakeTasks(const TaskRequest& request, const TaskConfig& config
     throw Error("--terrain needs --goal FILE, --goals KIND,... or --goal-image FILE");
   const int given = request.generate ? 10 : static_cast<int>(request.terrain_files.size());
   const int count = request.count > 0 ? request.count : given;
-  if (!request.goal_file.empty() && count > given)
-    throw Error(fmt::format("--count {} with one --goal would repeat tasks; at most {}, the terrains",
+  if (!request.goal_file.empty() && count > given && !request.vary)
+    throw Error(fmt::format("--count {} with one --goal would repeat tasks; at most {}, the terrains; or --vary",
                             count, given));
   const std::vector<HeightMap> terrains = ReadTerrains(request.terrain_files);
   const HeightMap goal = request.goal_file.empty() ? HeightMap() : ReadGoal(request.goal_file);
   const auto task_on = [&](const HeightMap& terrain, RandomStream& stream) -> Task {
     if (drawn) return GenerateDrawnGoal(config, request.drawing, request.range_m, terrain, stream);
+    if (request.vary) return VaryGoal(terrain, goal, request.variation, static_cast<int>(config.max_strokes), stream);
     if (request.random_goals) return GenerateGoal(config, terrain, stream);
     return {terrain, goal, static_cast<int>(config.max_strokes)};
   };

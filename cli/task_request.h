@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "env/task_generator.h"
+#include "env/varied_goal.h"
 
 namespace sandwright {
 
@@ -16,6 +17,8 @@ struct TaskRequest {
   bool random_goals = false;
   cv::Mat drawing;                         // see MakeDrawnGoal
   double range_m = 0;                      // of the drawing
+  bool vary = false;                       // `goal_file` only: each task has its own variation of it
+  VaryConfig variation = {};
   int count = 0;                           // 0: one a terrain; 10 with `generate`
 };
 

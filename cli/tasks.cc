@@ -28,6 +28,7 @@ class TasksCommand final : public Command {
     auto* set = app.add_option("--set", set_, "a fixed set: easy, hard, scanned or real");
     auto* scans = app.add_option("--scans", scans_, "folder of the scans that set real is cut from");
     auto* goal = app.add_option("--goal", request_.goal_file, "goal for every terrain: a height map file");
+    app.add_flag("--vary", request_.vary, "variations of --goal, --count of them (keys vary)")->needs(goal);
     auto* goals = app.add_option("--goals", kinds_, "kinds of random goals, separated by commas")
                       ->delimiter(',');
     auto* image = app.add_option("--goal-image", image_, "goal for every terrain: a grey picture");
@@ -47,6 +48,7 @@ class TasksCommand final : public Command {
   void Fields(FieldList& f) override {
     f.Section("tasks", config_);
     f.Section("scans", scan_config_);
+    f.Section("vary", request_.variation);
   }
 
   int Run() override {

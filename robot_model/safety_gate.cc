@@ -270,12 +270,17 @@ ArmFigures SafetyGate::Impl::TryFine(std::span<const JointAngles> knots, double 
     return knots[static_cast<size_t>(std::clamp<std::ptrdiff_t>(i, 0, std::ssize(knots) - 1))].rad;
   };
   std::ptrdiff_t looked = -1;
+  double blade_speed_mps = 0;
+  Eigen::Vector3d blade = kinematics.BladeInBox({at(0)}).translation();
   for (std::ptrdiff_t i = 0; i < std::ssize(knots) + 3; ++i) {
     JointPeaks::Raise(peaks.position, at(i));
     JointPeaks::Raise(peaks.speed, (at(i) - at(i - 1)) / dt);
     JointPeaks::Raise(peaks.acceleration, (at(i) - 2 * at(i - 1) + at(i - 2)) / (dt * dt));
     JointPeaks::Raise(peaks.jerk,
                       (at(i) - 3 * at(i - 1) + 3 * at(i - 2) - at(i - 3)) / (dt * dt * dt));
+    const Eigen::Vector3d before = blade;
+    blade = kinematics.BladeInBox({at(i)}).translation();
+    blade_speed_mps = std::max(blade_speed_mps, (blade - before).norm() / dt);
     if (looked < 0 || i == std::ssize(knots) - 1 ||
         (at(i) - at(looked)).cwiseAbs().maxCoeff() > kFineLook_rad) {
       LookAt({at(i)}, sand_top_m, fine, lease, figures);
@@ -283,6 +288,10 @@ ArmFigures SafetyGate::Impl::TryFine(std::span<const JointAngles> knots, double 
     }
   }
   peaks.Report(fine, figures);
+  const double fastest_mps = cell.limits.pendant_tcp_speed_mps - MotionLimits::kPendantSpeedTolerance_mps;
+  if (blade_speed_mps > fastest_mps)
+    figures.reasons.push_back(fmt::format("blade at {:.2f} m/s; the pendant's limit leaves {:.2f} m/s",
+                                          blade_speed_mps, fastest_mps));
   if (figures.min_singular_value < fine.singular_value)
     figures.reasons.push_back(
         fmt::format("near a singularity: smallest singular value {:.4f}; needs {:.4f}",

@@ -34,6 +34,21 @@ void CheckJoints(const std::vector<double>& joints, const MotionLimits& limits,
   }
 }
 
+// The safety-rated layer is the last one: ours must have stopped the arm before it does.
+void CheckPendant(const MotionLimits& limits, const std::string& source) {
+  const auto check = [&](const char* key, double ours, double pendant, double tolerance,
+                         const char* unit) {
+    if (ours > pendant - tolerance)
+      throw Error(fmt::format(
+          "{}: limits.{} = {}; allowed: up to {:.4g} {} (the pendant's {} less its tolerance {})",
+          source, key, ours, pendant - tolerance, unit, pendant, tolerance));
+  };
+  check("tcp_speed_mps", limits.tcp_speed_mps, limits.pendant_tcp_speed_mps,
+        MotionLimits::kPendantSpeedTolerance_mps, "m/s");
+  check("contact_force_n", limits.contact_force_n, limits.pendant_force_n,
+        MotionLimits::kPendantForceTolerance_n, "N");
+}
+
 template <class Component>
 std::string HashOf(Component component) {
   return Sha256Hex(ToJson(FieldsOf(component)).dump());
@@ -82,6 +97,11 @@ void MotionLimits::Fields(FieldList& f) {
   f.Add("min_curve_speed_share", min_curve_speed_share,
         "share of its speed to which abrupt bends may slow a curve", 0, 1);
   f.Add("max_duration_s", max_duration_s, "of one stroke [s]", 0.1, 3600);
+  f.Add("contact_force_n", contact_force_n,
+        "by which a stroke may exceed the same one in the air [N]", 5, 200);
+  f.Add("pendant_tcp_speed_mps", pendant_tcp_speed_mps, "safety limit set at the pendant [m/s]",
+        0.1, 5);
+  f.Add("pendant_force_n", pendant_force_n, "safety limit set at the pendant [N]", 50, 250);
 }
 
 void MotionSettings::Fields(FieldList& f) {
@@ -124,6 +144,7 @@ void CheckWorkcell(const Workcell& cell, const std::string& source) {
   CheckLength(cell.kinematics.theta_rad, 6, source, "kinematics.theta_rad");
   CheckJoints(cell.home_joints_rad, cell.limits, source, "home_joints_rad");
   CheckJoints(cell.camera_joints_rad, cell.limits, source, "camera_joints_rad");
+  CheckPendant(cell.limits, source);
   // The holder and the camera then pass over the walls wherever the blade may be.
   const double hand = cell.tool.blade_height_m + cell.limits.floor_margin_m;
   if (hand < cell.box.wall_height_m + cell.limits.clearance_m ||

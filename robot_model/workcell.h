@@ -89,6 +89,11 @@ struct MotionLimits {
   double min_bend_radius_m = 0.005;    // of a curve; sharper ones are corners for a polyline
   double min_curve_speed_share = 0.2;  // to which abrupt bends may slow a curve
   double max_duration_s = 60;          // of one stroke
+  double contact_force_n = 40;         // by which a stroke may exceed the same one in the air
+  // What is set at the pendant, below its password. Those functions are only as true as the
+  // tolerances (manual of the CB3), so that our own limits keep that much away from them.
+  double pendant_tcp_speed_mps = 1.5, pendant_force_n = 100;
+  static constexpr double kPendantSpeedTolerance_mps = 0.05, kPendantForceTolerance_n = 25;
 
   void Fields(FieldList& f);
 };

@@ -65,7 +65,7 @@ TEST_F(ProgramTest, HelpNamesEverySubcommandAndItsKeys) {
   const Finished help = Invoke("--help");
   EXPECT_EQ(help.exit_code, 0);
   for (const char* name : {"scan", "collect", "fit", "score", "simulate", "train", "eval", "tasks",
-                           "plan", "check", "export", "demo"}) {
+                           "plan", "check", "export", "demo", "convert", "goal"}) {
     EXPECT_THAT(help.output, HasSubstr(name));
     EXPECT_EQ(Invoke(std::string(name) + " --help").exit_code, 0) << name;
   }

@@ -80,6 +80,10 @@ TEST(Workcell, BadFilesNameTheKey) {
   EXPECT_THAT(LoadError("motion: {retreat_height_m: 0.1}"),
               HasSubstr("motion.retreat_height_m = 0.1"));
   EXPECT_THAT(LoadError("tool: {blade_height_m: 0.1}"), HasSubstr("tool.blade_height_m = 0.1"));
+  EXPECT_THAT(LoadError("limits: {pendant_tcp_speed_mps: 0.29}"),
+              HasSubstr("limits.tcp_speed_mps = 0.25; allowed: up to 0.24 m/s"));
+  EXPECT_THAT(LoadError("limits: {contact_force_n: 76}"),
+              HasSubstr("limits.contact_force_n = 76; allowed: up to 75 N"));
 }
 
 TEST(Workcell, PoseSettingIsTheRotationVectorOfThePendant) {
