@@ -3,8 +3,10 @@
 
 #include "cli/calibrate.h"
 #include "cli/command.h"
+#include "cli/deploy_run.h"
 #include "data/base/error.h"
 #include "robot_model/calibration/factory_kinematics.h"
+#include "robot_model/controller/arm_identity.h"
 
 namespace sandwright {
 namespace {
@@ -12,15 +14,21 @@ namespace {
 class CalibrateKinematicsCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
-    app.add_option("--from-file", file_, "the controller's calibration.conf, or YAML")->required();
+    auto* file = app.add_option("--from-file", file_, "the controller's calibration.conf, or YAML");
+    app.add_option("--arm", arm_, "or: the controller's address, which is only asked")
+        ->excludes(file);
+    app.add_flag("--armed", armed_, "allow another address than loopback");
     cell_.Declare(app);
   }
+  void Fields(FieldList& f) override { f.Section("controller", ports_); }
 
   int Run() override {
+    if (file_.empty() && arm_.empty())
+      throw Error("neither --from-file nor --arm; one of them is needed");
     Workcell cell = cell_.Load();
     const DhParameters old = cell.kinematics;
     const std::string old_hash = CalibrationHash(cell);
-    cell.kinematics = ReadFactoryKinematics(file_);
+    cell.kinematics = arm_.empty() ? ReadFactoryKinematics(file_) : AskController();
     const FlangeShift shift = MeasureFlangeShift(old, cell.kinematics);
     fmt::print("kinematics {:.12}... -> {:.12}...\n", old_hash, CalibrationHash(cell));
     fmt::print("the flange moves by p50 {:.2f}, p95 {:.2f}, at most {:.2f} mm over 1000 poses\n",
@@ -37,8 +45,21 @@ class CalibrateKinematicsCommand final : public Command {
   }
 
  private:
+  DhParameters AskController() const {
+    const ArmIdentity identity =
+        ReadIdentity({arm_, static_cast<uint16_t>(ports_.dashboard_port),
+                      static_cast<uint16_t>(ports_.primary_port),
+                      static_cast<uint16_t>(ports_.rtde_port)},
+                     armed_);
+    fmt::print("{} {}\n", identity.model, identity.serial_number);
+    CheckFactoryKinematics(identity.kinematics, arm_);
+    return identity.kinematics;
+  }
+
   CalibratedCell cell_;
-  std::string file_;
+  ControllerPortSettings ports_;
+  std::string file_, arm_;
+  bool armed_ = false;
 };
 
 }  // namespace

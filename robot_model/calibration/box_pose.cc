@@ -26,6 +26,10 @@ struct Constraint {
     if (!seen_in_B) return seen;
     return seen * X_WB.linear().transpose();
   }
+  // The point of the box, in W, whose motion with the box changes the miss.
+  Eigen::Vector3d Moved(const Eigen::Isometry3d& X_WB) const {
+    return seen_in_B ? p_W : Eigen::Vector3d(X_WB * p_B);
+  }
   Eigen::Vector3d Miss(const Eigen::Isometry3d& X_WB) const {
     const Eigen::Vector3d miss_W = X_WB * p_B - p_W;
     return Rows(X_WB) * miss_W;
@@ -67,7 +71,7 @@ Fit Solve(const std::vector<Constraint>& all, const std::vector<size_t>& in,
     Vector6 gradient = Vector6::Zero();
     for (const size_t i : in) {
       const Eigen::Matrix<double, 3, 6> J =
-          all[i].Rows(fit.X_WB) * PointJacobian(fit.X_WB * all[i].p_B, centre);
+          all[i].Rows(fit.X_WB) * PointJacobian(all[i].Moved(fit.X_WB), centre);
       information += J.transpose() * J;
       gradient += J.transpose() * all[i].Miss(fit.X_WB);
     }

@@ -93,13 +93,16 @@ DhParameters ReadFactoryKinematics(const std::filesystem::path& file) {
   const std::string extension = file.extension().string();
   const DhParameters dh =
       extension == ".yaml" || extension == ".yml" ? ReadYaml(file) : ReadConf(file);
-  const double shift_m = MeasureFlangeShift(DhParameters{}, dh).max_m;
-  if (!(shift_m <= kMaxFactoryShift_m))
-    throw Error(fmt::format(
-        "{}: the flange moves by up to {:.1f} mm from the nominal UR10; allowed: {:.0f} mm. Is it "
-        "the file of another model?",
-        file.string(), 1e3 * shift_m, 1e3 * kMaxFactoryShift_m));
+  CheckFactoryKinematics(dh, file.string());
   return dh;
+}
+
+void CheckFactoryKinematics(const DhParameters& kinematics, const std::string& source) {
+  const double shift_m = MeasureFlangeShift(DhParameters{}, kinematics).max_m;
+  if (!(shift_m <= kMaxFactoryShift_m))
+    throw Error(fmt::format("{}: the flange moves by up to {:.1f} mm from the nominal UR10; allowed: "
+                            "{:.0f} mm. Is it another model?",
+                            source, 1e3 * shift_m, 1e3 * kMaxFactoryShift_m));
 }
 
 FlangeShift MeasureFlangeShift(const DhParameters& from, const DhParameters& to, int poses,

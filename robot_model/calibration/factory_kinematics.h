@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "robot_model/ur10.h"
 
@@ -12,10 +13,13 @@ namespace sandwright {
 // (.yaml, .yml) with a_m, d_m, alpha_rad, theta_rad as a workcell's section `kinematics` has them.
 // Throws Error naming the key for a list that is missing or not six finite numbers, for a joint
 // calibration that the file itself calls unfinished, and for parameters that move the flange by
-// more than kMaxFactoryShift_m: no factory delivers such an arm.
+// more than CheckFactoryKinematics allows.
 DhParameters ReadFactoryKinematics(const std::filesystem::path& file);
 
+// No factory delivers a UR10 whose flange is further from the nominal one's.
 inline constexpr double kMaxFactoryShift_m = 0.030;
+// Throws Error with the figure where one is; `source` says whose parameters they are.
+void CheckFactoryKinematics(const DhParameters& kinematics, const std::string& source);
 
 // How far the flange moves from one set of parameters to the other, over random poses.
 struct FlangeShift {

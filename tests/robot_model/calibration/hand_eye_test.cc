@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -144,8 +146,9 @@ TEST(MarkedFrames, TagsAreFoundByTheirMiddles) {
   cv::copyMakeBorder(DrawBoard(kBoard, 80), picture, 20, 20, 20, 20, cv::BORDER_CONSTANT, 255);
   const auto tags = DetectTags(picture, "4X4_50");
   ASSERT_THAT(tags, SizeIs(17));
-  for (const MarkedPoint& tag : tags)
-    if (tag.id == 0) EXPECT_LT((tag.pixel - Eigen::Vector2d(139.5, 59.5)).norm(), 1);
+  const auto first = std::ranges::find(tags, 0, &MarkedPoint::id);
+  ASSERT_NE(first, tags.end());
+  EXPECT_LT((first->pixel - Eigen::Vector2d(139.5, 59.5)).norm(), 1);
 }
 
 TEST(MarkedFrames, BadInputIsNamed) {
