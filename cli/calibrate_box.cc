@@ -1,4 +1,4 @@
-// sandwright calibrate box: where the box stands, from touches of its rim, its corner tags, or both.
+// sandwright calibrate box: where the box stands, by touches of its rim, its corner tags or both.
 #include <spdlog/fmt/fmt.h>
 
 #include "cli/calibrate.h"
@@ -15,8 +15,8 @@ class CalibrateBoxCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
     app.add_option("--touches", touches_,
-                   "YAML: `touches`, each {at: x0 | x1 | y0 | y1 | a corner such as x0y1, joints_rad "
-                   "or tcp_m}, on the inner edge of the rim");
+                   "YAML: `touches` of the rim's inner edge, each {at: x0 | x1 | y0 | y1 | a corner "
+                   "such as x0y1, joints_rad or tcp_m}");
     auto* tags = app.add_option(
         "--tags", tags_, "YAML: `tags`, {id: [x, y, z]}, their middles in the box [m]");
     auto* frames =

@@ -16,8 +16,8 @@ class CalibrateHandEyeCommand final : public Command {
  public:
   void Declare(CLI::App& app) override {
     app.add_option("--frames", frames_,
-                   "grey or infrared pictures of the board, their folder, or one YAML or JSON file of "
-                   "corners found by another program")
+                   "grey or infrared pictures of the board, their folder, or one YAML or JSON file "
+                   "of corners found by another program")
         ->required();
     app.add_option("--joints", joints_, "one joint vector a frame, in their order (YAML) [rad]")
         ->required();

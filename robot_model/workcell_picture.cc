@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPixelsPerM = 1400;  // drawn at twice the size that is kept, for smooth lines
 constexpr double kMargin_m = 0.12;
-constexpr int kPanel_px = 400;
+constexpr int kPanel_px = 380;
 constexpr double kAxis_m = 0.09;
 
 const cv::Scalar kPaper(250, 251, 252), kInk(60, 50, 45), kWood(150, 185, 210), kFaint(170, 165, 160),
@@ -64,7 +64,7 @@ class Sheet {
     low_.array() -= kMargin_m;
     high_.array() += kMargin_m;
     const cv::Point size = At({high_.x(), low_.y()});
-    image_ = cv::Mat(size.y + 2 * kPanel_px, std::max(size.x, 2000), CV_8UC3, kPaper);
+    image_ = cv::Mat(size.y + kPanel_px, std::max(size.x, 2000), CV_8UC3, kPaper);
     panel_top_ = size.y;
   }
 
@@ -89,7 +89,7 @@ class Sheet {
 };
 
 cv::Scalar ReachColour(double share) {
-  const cv::Vec3d none(205, 222, 232), all(120, 165, 90);  // sand to green
+  const cv::Vec3d none(205, 222, 232), all(140, 185, 130);  // sand to green
   const cv::Vec3d mixed = none + share * (all - none);
   return {mixed[0], mixed[1], mixed[2]};
 }
@@ -115,8 +115,11 @@ void DrawView(Sheet& sheet, const std::vector<Eigen::Vector2d>& outline) {
 }
 
 // Axes as seen from above, red, green, blue for x, y, z; one that stands upright is a ring, with a dot
-// where it points up and a cross where it points down.
-void DrawFrame(Sheet& sheet, const std::string& name, const Eigen::Isometry3d& X_B, cv::Point label) {
+// where it points up and a cross where it points down. The name stands `label` px from the origin, to
+// its left where that is negative.
+void DrawFrame(Sheet& sheet, const std::string& name, const Eigen::Isometry3d& X_B,
+               cv::Point label) {
+  constexpr double kText = 1.0;
   const cv::Scalar colours[] = {{50, 50, 210}, {60, 150, 40}, {200, 90, 30}};
   const cv::Point origin = sheet.At(X_B.translation().head<2>());
   for (int axis = 0; axis < 3; ++axis) {
@@ -133,8 +136,10 @@ void DrawFrame(Sheet& sheet, const std::string& name, const Eigen::Isometry3d& X
     else
       cv::drawMarker(sheet.image(), origin, colours[axis], cv::MARKER_TILTED_CROSS, 18, 4);
   }
-  sheet.Write(fmt::format("{}  z {:.0f} mm", name, 1e3 * X_B.translation().z()), origin + label, 0.95,
-              kInk);
+  const std::string text = fmt::format("{}  z {:.0f} mm", name, 1e3 * X_B.translation().z());
+  if (label.x < 0)
+    label.x -= cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kText, 2, nullptr).width;
+  sheet.Write(text, origin + label, kText, kInk);
 }
 
 void DrawFrames(Sheet& sheet, const Workcell& cell) {
@@ -149,9 +154,9 @@ void DrawFrames(Sheet& sheet, const Workcell& cell) {
              cv::LINE_AA);
   DrawFrame(sheet, "W  base", X_BW, {60, 60});
   DrawFrame(sheet, "B  box", Eigen::Isometry3d::Identity(), {30, 60});
-  DrawFrame(sheet, "F  flange at home", X_BF_home, {-470, -40});
-  DrawFrame(sheet, "T  blade at the camera pose", X_BF * cell.tool.X_FT.ToIsometry(), {-560, 70});
-  DrawFrame(sheet, "C  camera at its pose", X_BF * cell.tool.X_FC.ToIsometry(), {60, -50});
+  DrawFrame(sheet, "F  flange at home", X_BF_home, {-50, -10});
+  DrawFrame(sheet, "T  blade at the camera pose", X_BF * cell.tool.X_FT.ToIsometry(), {-50, 30});
+  DrawFrame(sheet, "C  camera at its pose", X_BF * cell.tool.X_FC.ToIsometry(), {60, -40});
 }
 
 void DrawPanel(Sheet& sheet, const SafetyGate& gate) {
@@ -168,14 +173,14 @@ void DrawPanel(Sheet& sheet, const SafetyGate& gate) {
   y += step + 15;
   for (int i = 0; i < 120; ++i)
     cv::rectangle(sheet.image(), {left + 2 * i, y - 34, 2, 34}, ReachColour(i / 119.0), cv::FILLED);
-  sheet.Write(fmt::format("none to all headings: strokes can start, {:.0f} % over the box",
+  sheet.Write(fmt::format("strokes can start here in none to all headings; {:.0f} % over the box",
                           100 * reach),
               {left + 270, y}, 1.1, kInk);
   y += step;
   for (int dash = 0; dash < 4; ++dash)
     cv::line(sheet.image(), {left + 62 * dash, y - 14}, {left + 62 * dash + 40, y - 14}, kView, 4,
              cv::LINE_AA);
-  sheet.Write(fmt::format("what the camera sees of the floor: {:.1f} % of it",
+  sheet.Write(fmt::format("border of the camera's picture on the floor; it sees {:.1f} % of the box",
                           100 * CameraCoverage(cell)),
               {left + 270, y}, 1.1, kInk);
   y += step;

@@ -4,6 +4,10 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "data/base/error.h"
 #include "robot_model/calibration/leave_one_out.h"

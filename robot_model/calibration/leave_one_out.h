@@ -2,6 +2,7 @@
 // measurement is found.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>

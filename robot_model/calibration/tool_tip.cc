@@ -5,6 +5,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include "data/base/error.h"
 #include "robot_model/calibration/joint_list.h"

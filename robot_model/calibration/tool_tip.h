@@ -1,6 +1,8 @@
 // Where the blade is on the flange: touches of one fixed point from several sides.
 #pragma once
 
+#include <Eigen/Geometry>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -12,7 +14,7 @@ namespace sandwright {
 
 // Joint vectors at which the blade's edge stood on one and the same point.
 struct ToolTouches {
-  std::vector<JointAngles> tip;                // with its middle, four or more
+  std::vector<JointAngles> tip;                    // with its middle, four or more
   std::optional<std::array<JointAngles, 2>> edge;  // with its end at -y of T, then at +y
 };
 
@@ -22,7 +24,7 @@ ToolTouches ReadToolTouches(const std::filesystem::path& file);
 struct ToolCalibration {
   Eigen::Isometry3d X_FT = Eigen::Isometry3d::Identity();
   CalibrationError error;
-  double dilution = 0;      // worst error of the tip, in errors of one touch
+  double dilution = 0;       // worst error of the tip, in errors of one touch
   double edge_length_m = 0;  // between the two ends; 0 where they were not touched
 };
 
