@@ -10,14 +10,14 @@ namespace sandwright {
 
 // One calibration of a cell. An empty date: never made.
 struct CalibrationRecord {
-  std::string date;          // UTC, ISO 8601
-  int64_t poses = 0;         // measurements that went in
-  double residual_m = 0;     // root mean square over them
-  double held_out_m = 0;     // the same over each as the others predict it
-  double held_out_rad = 0;   // of orientation; 0 where only positions are measured
-  std::string kinematics_hash;               // CalibrationHash of the cell it was made with
-  std::vector<std::string> values;           // keys of the cell that it set or built upon
-  std::string values_hash;                   // over what these held
+  std::string date;         // UTC, ISO 8601
+  int64_t poses = 0;        // measurements that went in
+  double residual_m = 0;    // root mean square over them
+  double held_out_m = 0;    // the same over each as the others predict it
+  double held_out_rad = 0;  // of orientation; 0 where only positions are measured
+  std::string kinematics_hash;      // CalibrationHash of the cell it was made with
+  std::vector<std::string> values;  // keys of the cell that it set or built upon
+  std::string values_hash;          // over what these held
 
   void Fields(FieldList& f) {
     f.Add("date", date, "UTC; empty: never calibrated");
