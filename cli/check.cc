@@ -4,6 +4,7 @@
 #include "cli/command.h"
 #include "data/base/error.h"
 #include "data/height_map.h"
+#include "robot_model/calibration/cell_calibration.h"
 #include "robot_model/plan.h"
 
 namespace sandwright {
@@ -17,13 +18,20 @@ class CheckCommand final : public Command {
     app.add_option("--workcell", workcell_file_, "workcell (YAML)")->required();
     app.add_flag("--seal", seal_,
                  "seal the plan where it is accepted: hashes of blade, cell, calibration and scan");
+    app.add_flag("--real-arm", real_arm_,
+                 "reject the plan too where the cell is not calibrated well enough for a real arm");
   }
 
   int Run() override {
     Plan plan = ReadPlan(plan_file_);
     const HeightMap terrain = ReadHeightMap(terrain_file_);
     const Workcell workcell = LoadWorkcell(workcell_file_);
-    const PlanVerdict verdict = CheckPlan(SafetyGate(workcell), plan.strokes, terrain);
+    PlanVerdict verdict = CheckPlan(SafetyGate(workcell), plan.strokes, terrain);
+    if (real_arm_)
+      for (const std::string& fault : CalibrationFaults(workcell)) {
+        verdict.reasons.push_back("calibration: " + fault);
+        verdict.accepted = false;
+      }
     for (size_t i = 0; i < verdict.strokes.size(); ++i) {
       const GateVerdict& stroke = verdict.strokes[i];
       fmt::print(
@@ -44,7 +52,7 @@ class CheckCommand final : public Command {
 
  private:
   std::string plan_file_, terrain_file_, workcell_file_;
-  bool seal_ = false;
+  bool seal_ = false, real_arm_ = false;
 };
 
 }  // namespace

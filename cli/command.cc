@@ -9,6 +9,8 @@ namespace sandwright {
 
 void Command::DeclareCommon(CLI::App& app) {
   name_ = app.get_name();
+  const CLI::App* group = app.get_parent();
+  if (group->get_parent()) name_ = group->get_name() + " " + name_;
   threads_ = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--config", config_file_, "configuration (YAML)")->check(CLI::ExistingFile);
   app.add_option("--seed", seed_, "seed of every random stream")->capture_default_str();

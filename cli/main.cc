@@ -34,6 +34,11 @@ constexpr Entry kCommands[] = {
     {"goal", "a goal from a picture, mesh, drawing or scan, and what the sand can make of it", MakeGoalCommand},
     {"plot", "learning curves of training runs", MakePlotCommand},
     {"plan", "terrain + goal -> gated strokes", MakePlanCommand},
+    {"calibrate kinematics", "the arm's factory calibration", MakeCalibrateKinematicsCommand},
+    {"calibrate hand-eye", "where the camera is on the flange", MakeCalibrateHandEyeCommand},
+    {"calibrate tool", "where the blade is on the flange", MakeCalibrateToolCommand},
+    {"calibrate box", "where the box stands", MakeCalibrateBoxCommand},
+    {"workcell", "a cell in figures, and as a picture", MakeWorkcellCommand},
     {"check", "the safety gate alone, on a plan", MakeCheckCommand},
     {"export", "plan -> URScript, through the gate", MakeExportCommand},
     {"deploy", "runs strokes on a rig: gate, motion, rescan, compare, next or stop",
@@ -43,6 +48,20 @@ constexpr Entry kCommands[] = {
     {"demo", "from a depth frame to strokes on the simulated arm, with a report to look at",
      MakeDemoCommand},
 };
+
+// The parser of an entry; "calibrate box" is a subcommand of a subcommand.
+CLI::App* AddSubcommand(CLI::App& app, const Entry& entry) {
+  const std::string name = entry.name;
+  const size_t space = name.find(' ');
+  if (space == std::string::npos) return app.add_subcommand(name, entry.help);
+  const auto groups = app.get_subcommands(
+      [&](const CLI::App* other) { return other->get_name() == name.substr(0, space); });
+  CLI::App* group = groups.empty()
+                        ? app.add_subcommand(name.substr(0, space), "measures parts of a cell")
+                        : groups.front();
+  group->require_subcommand(1);
+  return group->add_subcommand(name.substr(space + 1), entry.help);
+}
 
 // Dotted overrides (key=value) may stand anywhere that is not the value right behind a flag; taken
 // out first, so that flags with many values do not swallow them.
@@ -80,7 +99,7 @@ int Main(int argc, char** argv) {
   app.require_subcommand(1);
   std::vector<std::pair<CLI::App*, std::unique_ptr<Command>>> commands;
   for (const Entry& entry : kCommands) {
-    CLI::App* sub = app.add_subcommand(entry.name, entry.help);
+    CLI::App* sub = AddSubcommand(app, entry);
     commands.emplace_back(sub, entry.make());
     commands.back().second->Declare(*sub);
     commands.back().second->DeclareCommon(*sub);

@@ -67,6 +67,12 @@ Eigen::Isometry3d PoseSetting::ToIsometry() const {
   return X;
 }
 
+PoseSetting PoseSetting::FromIsometry(const Eigen::Isometry3d& X) {
+  const Eigen::AngleAxisd turn(X.linear());
+  const Eigen::Vector3d p = X.translation(), r = turn.angle() * turn.axis();
+  return {{p.x(), p.y(), p.z()}, {r.x(), r.y(), r.z()}};
+}
+
 void MotionLimits::Fields(FieldList& f) {
   f.Add("joint_position_rad", joint_position_rad, "largest |angle| a joint, base first [rad]", 0,
         6.2832);
@@ -121,6 +127,7 @@ void Workcell::Fields(FieldList& f) {
   f.Section("kinematics", kinematics);
   f.Add("home_joints_rad", home_joints_rad, "where the arm parks, base first [rad]");
   f.Add("camera_joints_rad", camera_joints_rad, "where scans are taken [rad]");
+  f.Section("calibration", calibration);
 }
 
 void CheckWorkcell(const Workcell& cell, const std::string& source) {
@@ -160,7 +167,12 @@ Workcell LoadWorkcell(const std::filesystem::path& file) {
   return workcell;
 }
 
-std::string WorkcellHash(const Workcell& workcell) { return HashOf(workcell); }
+std::string WorkcellHash(const Workcell& workcell) {
+  Workcell cell = workcell;
+  nlohmann::json content = ToJson(FieldsOf(cell));
+  content.erase("calibration");
+  return Sha256Hex(content.dump());
+}
 std::string CalibrationHash(const Workcell& workcell) { return HashOf(workcell.kinematics); }
 std::string BladeHash(const Workcell& workcell) { return HashOf(workcell.tool.blade); }
 

@@ -9,6 +9,7 @@
 #include "data/base/config.h"
 #include "data/camera.h"
 #include "data/stroke.h"
+#include "robot_model/calibration/record.h"
 #include "robot_model/camera_source.h"
 #include "robot_model/ur10.h"
 
@@ -24,6 +25,7 @@ struct PoseSetting {
     f.Add("rotation_vector_rad", rotation_vector_rad, "axis times angle [rad]", -6.3, 6.3);
   }
   Eigen::Isometry3d ToIsometry() const;
+  static PoseSetting FromIsometry(const Eigen::Isometry3d& X);
 };
 
 // The sand box; frame B lies in a corner of its floor, inside, x along the width.
@@ -131,6 +133,7 @@ struct Workcell {
                                          -2.0326, -1.5708, -1.8476};  // parked
   std::vector<double> camera_joints_rad = {-1.8793, -1.7071, 1.1376,
                                            -1.0013, -1.5708, -1.8793};  // scans
+  CalibrationRecords calibration;  // how kinematics, X_FC, X_FT and X_WB were measured
 
   void Fields(FieldList& f);
   JointAngles home() const { return JointAngles::FromList(home_joints_rad); }
@@ -143,7 +146,8 @@ Workcell LoadWorkcell(const std::filesystem::path& file);
 // The checks of LoadWorkcell on their own; `source` names where the cell came from.
 void CheckWorkcell(const Workcell& workcell, const std::string& source);
 
-// SHA-256 (hex) over the resolved content: changes with any number of the cell.
+// SHA-256 (hex) over the resolved content but `calibration`: it changes with any number that says
+// what the arm does, and not with the day on which that was measured once more.
 std::string WorkcellHash(const Workcell& workcell);
 // The same over the kinematics and over the blade alone.
 std::string CalibrationHash(const Workcell& workcell);

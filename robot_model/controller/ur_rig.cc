@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "data/base/error.h"
+#include "robot_model/calibration/cell_calibration.h"
 
 namespace sandwright {
 namespace {
@@ -28,10 +29,16 @@ ForceBaseline PathForces(const GatedMotion& motion, const std::vector<RunSample>
                            motion.stroke_begin() + motion.stroke_motion().path_end);
 }
 
+const Workcell& Calibrated(const Workcell& cell) {
+  std::vector<std::string> faults = CalibrationFaults(cell);
+  if (!faults.empty()) throw Error("workcell " + cell.name, std::move(faults));
+  return cell;
+}
+
 }  // namespace
 
 UrRig::UrRig(const ControllerAddress& address, const SafetyGate& gate, bool armed)
-    : gate_(gate), controller_(address, gate.workcell(), armed) {}
+    : gate_(gate), controller_(address, Calibrated(gate.workcell()), armed) {}
 
 std::string UrRig::name() const {
   return controller_.identity().model + " " + controller_.identity().serial_number;

@@ -10,7 +10,8 @@ namespace sandwright {
 
 class UrRig final : public Rig {
  public:
-  // Connects; see UrController for what is refused. `gate` must outlive the rig; its workcell says
+  // Connects; Error (kRefused) where the cell is not calibrated (CalibrationFaults), and see
+  // UrController for what else is refused. `gate` must outlive the rig; its workcell says
   // where the camera is.
   UrRig(const ControllerAddress& address, const SafetyGate& gate, bool armed);
 

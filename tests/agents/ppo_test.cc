@@ -194,6 +194,35 @@ TEST(Ppo, SchedulesFallWithTheSteps) {
   }
 }
 
+TEST(Ppo, AdaptiveRateAimsAtTheKl) {
+  EXPECT_DOUBLE_EQ(AdaptedRate(0.003, 0.021, 0.01), 0.002);
+  EXPECT_DOUBLE_EQ(AdaptedRate(0.002, 0.004, 0.01), 0.003);
+  EXPECT_DOUBLE_EQ(AdaptedRate(0.002, 0.012, 0.01), 0.002);
+  EXPECT_DOUBLE_EQ(AdaptedRate(1e-6, 1, 0.01), 1e-6);
+  EXPECT_DOUBLE_EQ(AdaptedRate(1e-2, 0, 0.01), 1e-2);
+  torch::set_num_threads(1);
+  MoveToTarget env(8);
+  RandomStream stream(1);
+  ActorCritic network(env.observation_spec(), 1, {.hidden = 16}, stream);
+  const PpoConfig config{.num_steps = 16,
+                         .learning_rate = 0.01,
+                         .learning_rate_schedule = "adaptive",
+                         .target_kl = 1e-4};
+  Ppo ppo(env, network, config, 4096, 1, torch::kCPU);
+  double rate = config.learning_rate;
+  for (int i = 0; i < 5; ++i) {
+    const PpoReport report = ppo.Update();
+    EXPECT_DOUBLE_EQ(report.learning_rate, rate);
+    rate = AdaptedRate(rate, report.approx_kl, config.target_kl);
+  }
+  EXPECT_LT(rate, config.learning_rate);
+  Safetensors saved;
+  ppo.Save(saved);
+  Ppo resumed(env, network, config, 4096, 1, torch::kCPU);
+  resumed.Load(saved, "test");
+  EXPECT_DOUBLE_EQ(resumed.Update().learning_rate, rate);
+}
+
 TEST(ObservationNormalizer, ManyBatchesEqualOne) {
   torch::manual_seed(0);
   const auto rows = torch::randn({300, 2}) * torch::tensor({3.0f, 0.01f}) + 50;
