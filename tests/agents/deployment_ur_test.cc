@@ -7,9 +7,11 @@
 
 #include "agents/deployment.h"
 #include "data/base/atomic_file.h"
+#include "data/base/error.h"
 #include "data/shipped.h"
 #include "env/depth_camera.h"
 #include "env/heightfield.h"
+#include "robot_model/calibration/cell_calibration.h"
 #include "robot_model/controller/ur_rig.h"
 #include "tests/support/controller_fake/controller_fake.h"
 
@@ -55,6 +57,11 @@ class DeployingOnUr : public ::testing::Test {
     SandState state(before_);
     model_.Apply({&state, 1}, {&stroke_, 1});
     camera_.emplace(cell_, std::vector<HeightMap>{before_, state.map()});
+    const CalibrationError good{10, 0.0002, 0.0003, 0};
+    cell_.calibration.kinematics = MakeRecord(cell_, good, {"kinematics"});
+    cell_.calibration.hand_eye = MakeRecord(cell_, good, {"tool.X_FC"});
+    cell_.calibration.tool = MakeRecord(cell_, good, {"tool.X_FT"});
+    cell_.calibration.box = MakeRecord(cell_, good, {"X_WB"});
     gate_.emplace(cell_);
     ControllerFakeOptions options;
     options.start = cell_.home();
@@ -118,6 +125,31 @@ TEST_F(DeployingOnUr, EmergencyStopEndsTheRunAndNothingFollows) {
   EXPECT_EQ(events.back()["event"], "end");
   EXPECT_TRUE(std::ranges::any_of(
       events, [](const auto& e) { return e["event"] == "moved" && e["end"] == "emergency_stop"; }));
+}
+
+TEST_F(DeployingOnUr, UncalibratedCellMovesNothing) {
+  cell_.calibration.box = {};
+  gate_.emplace(cell_);
+  EXPECT_THROW(UrRig(Address(), *gate_, false), Error);
+  cell_.calibration.box = MakeRecord(cell_, {10, 0.0002, 0.0025, 0}, {"X_WB"});
+  gate_.emplace(cell_);
+  EXPECT_THROW(UrRig(Address(), *gate_, false), Error);
+  EXPECT_TRUE(fake_->scripts().empty());
+}
+
+// After a stop in the sand: a new connection, and straight up.
+TEST_F(DeployingOnUr, BuriedBladeIsLifted) {
+  const Passage passage = gate_->PassStroke(stroke_, before_, cell_.home());
+  ASSERT_TRUE(passage.motion);
+  const StrokeMotion& motion = passage.motion->stroke_motion();
+  fake_->JogTo(motion.knots[(motion.path_begin + motion.path_end) / 2]);
+  UrRig rig(Address(), *gate_, false);
+  RigDriver driver(rig, *gate_, config_.scan);
+  EXPECT_THAT(driver.ToCamera().why(), ::testing::HasSubstr("recover first"));
+  const Drive lift = driver.Lift();
+  ASSERT_TRUE(lift.finished()) << lift.why();
+  EXPECT_NEAR(gate_->kinematics().BladeInBox(fake_->joints()).translation().z(),
+              cell_.motion.retreat_height_m, 1e-3);
 }
 
 TEST_F(DeployingOnUr, CameraThatShowsNothingEndsTheRun) {
