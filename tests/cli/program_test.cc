@@ -1,10 +1,7 @@
 // The program as a user meets it: exit codes, messages, files that are never half-written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -15,6 +12,7 @@
 #include "data/height_map.h"
 #include "data/stroke_dataset.h"
 #include "data/task.h"
+#include "tests/support/program.h"
 
 namespace sandwright {
 namespace {
@@ -22,24 +20,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Field;
 using ::testing::HasSubstr;
-
-struct Finished {
-  int exit_code;
-  std::string output;  // stdout and stderr
-};
-
-// SANDWRIGHT_PROGRAM comes from CMake.
-Finished Invoke(const std::string& arguments, const std::string& before = "",
-                const std::string& behind = "") {
-  const std::string line = before + SANDWRIGHT_PROGRAM " " + arguments + behind + " 2>&1";
-  FILE* pipe = ::popen(line.c_str(), "r");
-  std::string output;
-  std::array<char, 4096> buffer;
-  while (const size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    output.append(buffer.data(), count);
-  const int status = ::pclose(pipe);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), output};
-}
 
 class ProgramTest : public ::testing::Test {
  protected:
@@ -65,7 +45,7 @@ TEST_F(ProgramTest, HelpNamesEverySubcommandAndItsKeys) {
   const Finished help = Invoke("--help");
   EXPECT_EQ(help.exit_code, 0);
   for (const char* name : {"scan", "collect", "fit", "score", "simulate", "train", "eval", "tasks",
-                           "plan", "check", "export", "demo", "convert", "goal"}) {
+                           "plan", "check", "export", "promote", "demo", "convert", "goal"}) {
     EXPECT_THAT(help.output, HasSubstr(name));
     EXPECT_EQ(Invoke(std::string(name) + " --help").exit_code, 0) << name;
   }
