@@ -82,6 +82,8 @@ struct Deployment {
   bool ok = false;     // ended as it should
   double start_error_m = 0, end_error_m = 0;  // with a goal
   std::vector<DeployedStroke> strokes = {};
+
+  std::string Outcome() const { return reason.empty() ? end : end + ": " + reason; }
 };
 
 // `confirm` is asked before each stroke (none: no question) with a line about it; false ends the run. Every

@@ -72,8 +72,7 @@ class CollectCommand final : public Command {
     settings.controller = controller_;
     settings.rig = rig_;
     const Deployment done = CollectOnRig(rig_request_, settings, config_, request_.status);
-    Say(fmt::format("{}{}{}: {} new strokes in {}", done.end, done.reason.empty() ? "" : ": ",
-                    done.reason, done.strokes.size(), out_));
+    Say(fmt::format("{}: {} new strokes in {}", done.Outcome(), done.strokes.size(), out_));
     ThrowIfStopRequested();
     WriteResult(ToJson(done));
     return done.ok ? 0 : 3;

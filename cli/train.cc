@@ -21,10 +21,7 @@ class TrainCommand final : public Command {
         "overrides (key=value) apply on top");
     out->excludes(resume);
   }
-  void Fields(FieldList& f) override {
-    config_.Fields(f);
-    UnattendedFields(f);
-  }
+  void Fields(FieldList& f) override { config_.Fields(f), UnattendedFields(f); }
 
   std::string DefaultConfigFile() const override {
     return resume_.empty() ? "" : (std::filesystem::path(resume_) / "config.yaml").string();

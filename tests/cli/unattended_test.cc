@@ -56,7 +56,7 @@ TEST_F(UnattendedTest, RunShowsItselfAndTellsOfItsEnd) {
 TEST_F(UnattendedTest, StopIsTold) {
   const Finished run = Invoke("collect --strokes 1000000 --sequence 100 --threads 1 --out " +
                                   Path("beds") + Notify(),
-                              "timeout -s INT 3 ");
+                              "timeout --foreground -s INT 3 ");
   EXPECT_THAT(ReadFile(Path("told")), HasSubstr("stopped|stopped by the user|")) << run.output;
   EXPECT_EQ(Json("beds/status.json")["state"], "stopped");
 }
