@@ -135,7 +135,7 @@ class Fit(Job):
         return {"epochs": done}
 
     def check_kept(self, before, now):
-        return self.file().exists() or now["epochs"] >= before["epochs"]
+        return self.file().exists() or now["epochs"] >= before.get("epochs", 0)
 
     def results(self):
         return [self.file()]
@@ -159,7 +159,7 @@ class Train(Job):
         return {"checkpoint": max(checkpoints, default=-1)}
 
     def check_kept(self, before, now):
-        return now["checkpoint"] >= before["checkpoint"]
+        return now["checkpoint"] >= before.get("checkpoint", -1)
 
     def results(self):
         return [self.folder / "agent.safetensors", self.folder / "best.safetensors"]
