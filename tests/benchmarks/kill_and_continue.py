@@ -128,7 +128,7 @@ class Fit(Job):
         beds = ROOT / "data/strokes/dem"
         return ["fit", "--config", ROOT / "configs/fit_surrogate.yaml", "--data", beds / "bed_501.h5",
                 "--validation", beds / "bed_503.h5", "--out", self.file(), "--seed", 1, "--threads", 1,
-                f"epochs={3 if self.small else 16}", *(["--resume"] if self.state().exists() else [])]
+                f"epochs={3 if self.small else 64}", *(["--resume"] if self.state().exists() else [])]
 
     def kept(self):
         done = json.loads(metadata(self.state())["progress"])["epochs"] if self.state().exists() else 0
@@ -195,6 +195,8 @@ def kill_and_finish(job, moments_s, output):
             process.kill()
             process.wait()
         killed_s.append(round(moment_s, 3))
+        if job.status_file().exists() and json.loads(job.status_file().read_text())["state"] != "running":
+            fail(job, "status.json speaks of an end that nobody told it", output)
         now = job.kept()
         if not job.check_kept(before, now):
             fail(job, f"something was lost when it was killed after {moment_s:.3f} s", output)
