@@ -8,6 +8,7 @@
 
 #include "data/base/error.h"
 #include "data/base/stop.h"
+#include "data/bed_pictures.h"
 #include "data/task.h"
 
 namespace sandwright {
@@ -26,7 +27,7 @@ class Run {
  public:
   Run(Rig& rig, const SafetyGate& gate, const SandModel& model, const StrokeSource& source,
       const DeploymentJob& job, const DeploymentConfig& config,
-      const std::function<bool(const std::string&)>& confirm, RigLog& log)
+      const std::function<bool(const std::string&)>& confirm, RigLog& log, RunStatus* status)
       : rig_(rig, log),
         driver_(rig_, gate, config.scan),
         gate_(gate),
@@ -36,6 +37,7 @@ class Run {
         config_(config),
         confirm_(confirm),
         log_(log),
+        status_(status),
         head_{rig.name() == "simulated" ? "simulated" : "rig",
               std::filesystem::absolute(log.folder()).filename().string(), 0,
               nlohmann::json({{"rig", rig.name()}}).dump(), {}, WorkcellHash(gate.workcell())} {}
@@ -43,8 +45,8 @@ class Run {
   Deployment Go() {
     if (Look()) {
       if (job_.goal) result_.start_error_m = result_.end_error_m = GoalError(sensed_, *job_.goal);
-      while (Next()) {
-      }
+      do Tell();
+      while (Next());
     }
     log_.Add("end", {{"end", result_.end}, {"reason", result_.reason}});
     return std::move(result_);
@@ -56,6 +58,24 @@ class Run {
     result_.reason = std::move(reason);
     result_.ok = ok;
     return false;
+  }
+
+  // For whoever watches: the bed and what is known of it.
+  void Tell() {
+    if (!status_) return;
+    nlohmann::json figures = {{"strokes_refused_in_a_row", rejected_in_a_row_}};
+    if (job_.goal) {
+      figures["in_goal_mean_diff_start_mm"] = 1e3 * result_.start_error_m;
+      figures["in_goal_mean_diff_mm"] = 1e3 * result_.end_error_m;
+    }
+    if (!result_.strokes.empty()) {
+      const RescanFigures& rescan = result_.strokes.back().rescan;
+      figures["prediction_rmse_mm"] = 1e3 * rescan.prediction_rmse_m;
+      figures["change_rms_mm"] = 1e3 * rescan.change_rms_m;
+    }
+    status_->Figures(figures);
+    status_->Show(BedPictures(sensed_, job_.goal));
+    status_->Advance(used_, job_.max_strokes, "strokes");
   }
 
   // A drive that did not finish ends the run.
@@ -192,6 +212,7 @@ class Run {
   const DeploymentConfig& config_;
   const std::function<bool(const std::string&)>& confirm_;
   RigLog& log_;
+  RunStatus* status_;
   StrokeFile head_;
   ScanResult scan_;
   HeightMap sensed_;
@@ -204,8 +225,9 @@ class Run {
 Deployment Deploy(Rig& rig, const SafetyGate& gate, const SandModel& model,
                   const StrokeSource& source, const DeploymentJob& job,
                   const DeploymentConfig& config,
-                  const std::function<bool(const std::string&)>& confirm, RigLog& log) {
-  return Run(rig, gate, model, source, job, config, confirm, log).Go();
+                  const std::function<bool(const std::string&)>& confirm, RigLog& log,
+                  RunStatus* status) {
+  return Run(rig, gate, model, source, job, config, confirm, log, status).Go();
 }
 
 }  // namespace sandwright

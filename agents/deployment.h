@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "data/base/run_status.h"
 #include "env/sand_model.h"
 #include "robot_model/rescan_check.h"
 #include "robot_model/rig_driver.h"
@@ -81,14 +82,18 @@ struct Deployment {
   bool ok = false;     // ended as it should
   double start_error_m = 0, end_error_m = 0;  // with a goal
   std::vector<DeployedStroke> strokes = {};
+
+  std::string Outcome() const { return reason.empty() ? end : end + ": " + reason; }
 };
 
 // `confirm` is asked before each stroke (none: no question) with a line about it; false ends the run. Every
 // motion goes through `log` and the gate. Stops at the first motion that does not finish, at a rescan that is not to be believed and
-// after Ctrl-C, and never goes on by itself. Error where the log cannot be written.
+// after Ctrl-C, and never goes on by itself. `status` (none: nobody watches) is shown each bed. Error where
+// the log cannot be written.
 Deployment Deploy(Rig& rig, const SafetyGate& gate, const SandModel& model,
                   const StrokeSource& source, const DeploymentJob& job,
                   const DeploymentConfig& config,
-                  const std::function<bool(const std::string&)>& confirm, RigLog& log);
+                  const std::function<bool(const std::string&)>& confirm, RigLog& log,
+                  RunStatus* status = nullptr);
 
 }  // namespace sandwright

@@ -44,12 +44,14 @@ class Run {
   }
 
   nlohmann::json Go() {
+    // Before the configuration, which makes it a run: whatever has one can be resumed.
+    if (!run_.resume) WriteCheckpoint(Checkpoint(), 0, run_.folder);
     WriteFileAtomically(run_.folder / "config.yaml",
                         fmt::format("# train --seed {}, version {} ({})\n{}", run_.seed,
                                     BuildVersion(), BuildCommit(), ToYaml(FieldsOf(config_))));
     const std::string unit = config_.OnSand() ? "strokes" : "steps";
     RunLog log(run_.folder, trainer_.steps());
-    Progress progress("train", config_.total_steps, unit);
+    Progress progress("train", config_.total_steps, unit, run_.status);
     progress.Update(trainer_.steps());
     while (trainer_.steps() < config_.total_steps) {
       const int64_t before = trainer_.steps();
@@ -62,6 +64,7 @@ class Run {
       log.Write(trainer_.steps(), scalars);
       if (verdict_ && !verdict_->picture.empty())
         log.WritePicture(trainer_.steps(), "eval/tasks", std::exchange(verdict_->picture, {}));
+      if (run_.status) run_.status->Figures(scalars);
       progress.Update(trainer_.steps(), note);
       const bool stop = StopRequested();
       if (last || stop || Passed(before, config_.checkpoint_every)) {

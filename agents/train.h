@@ -10,6 +10,7 @@
 #include "agents/network_config.h"
 #include "agents/ppo_config.h"
 #include "agents/sac_config.h"
+#include "data/base/run_status.h"
 #include "env/load_sand_model.h"
 #include "env/reference/reference_task.h"
 #include "env/shaping_env.h"
@@ -84,12 +85,13 @@ struct TrainRun {
   uint64_t seed = 0;
   int threads = 1;      // of the environments; results do not depend on it
   bool resume = false;  // continue from the folder's last checkpoint; `seed` is taken from there
+  RunStatus* status = nullptr;  // told how it goes; none: nobody watches
 };
 
 // Leaves in the folder: config.yaml, checkpoints/, best.safetensors (the best in
 // evaluations), agent.safetensors (the end), progress.csv, TensorBoard events. Ctrl-C: writes a
 // checkpoint, then throws Error (kInterrupted). A resumed run repeats an uninterrupted one bit for
-// bit where it was resumed at a regular checkpoint. Returns what `train --json` shows.
+// bit where it was resumed at a regular checkpoint, of which there is one before the first step. Returns what `train --json` shows.
 nlohmann::json Train(TrainConfig config, TrainRun run);
 
 }  // namespace sandwright

@@ -37,6 +37,7 @@ class CollectCommand final : public Command {
     f.Section("deployment", deployment_);
     f.Section("controller", controller_);
     f.Section("rig", rig_);
+    UnattendedFields(f);
   }
 
   int Run() override {
@@ -45,9 +46,10 @@ class CollectCommand final : public Command {
       request_.sequence = request_.out.extension() == ".h5" ? request_.strokes : 10;
     request_.seed = seed();
     request_.threads = threads();
+    if (request_.out.extension() != ".h5") request_.status = WatchFolder(out_);
     if (request_.source == "simulated" || request_.source == "rig") return OnRig();
     const Collected collected = Collect(config_, request_);
-    fmt::print("{} strokes in {}, {} of them new\n", collected.strokes, out_, collected.added);
+    Say(fmt::format("{} strokes in {}, {} of them new", collected.strokes, out_, collected.added));
     ThrowIfStopRequested();
     WriteResult({{"source", request_.source},
                  {"strokes", collected.strokes},
@@ -69,9 +71,8 @@ class CollectCommand final : public Command {
     settings.deployment = deployment_;
     settings.controller = controller_;
     settings.rig = rig_;
-    const Deployment done = CollectOnRig(rig_request_, settings, config_);
-    fmt::print("{}{}{}: {} new strokes in {}\n", done.end, done.reason.empty() ? "" : ": ",
-               done.reason, done.strokes.size(), out_);
+    const Deployment done = CollectOnRig(rig_request_, settings, config_, request_.status);
+    Say(fmt::format("{}: {} new strokes in {}", done.Outcome(), done.strokes.size(), out_));
     ThrowIfStopRequested();
     WriteResult(ToJson(done));
     return done.ok ? 0 : 3;

@@ -5,12 +5,12 @@
 
 namespace sandwright {
 Deployment CollectOnRig(DeployRequest request, DeploySettings settings,
-                        const CollectConfig& config) {
+                        const CollectConfig& config, RunStatus* status) {
   namespace fs = std::filesystem;
   const fs::path folder = request.log;
   if (request.workcell.empty()) request.workcell = ShippedConfig("workcell.yaml").string();
   request.mode = "run";
-  request.resume = fs::exists(folder / "events.jsonl");
+  request.resume = RigLog::Exists(folder);
   settings.excavation = config.excavation;
   settings.deployment.scan.cell_size_m = config.cell_size_m;
   const fs::path bed = folder / "terrain.h5";
@@ -25,7 +25,7 @@ Deployment CollectOnRig(DeployRequest request, DeploySettings settings,
                                    config.cell_size_m, stream),
                    bed);
   }
-  return RunDeploy(request, settings);
+  return RunDeploy(request, settings, status);
 }
 
 }  // namespace sandwright

@@ -1,5 +1,6 @@
 #include "cli/command.h"
 
+#include <cstdio>
 #include <thread>
 
 #include "data/base/atomic_file.h"
@@ -47,6 +48,31 @@ nlohmann::json Command::WithRun(nlohmann::json result) const {
 
 void Command::WriteResult(const nlohmann::json& result) const {
   if (!json_file_.empty()) WriteFileAtomically(json_file_, WithRun(result).dump(2) + "\n");
+}
+
+RunStatus* Command::WatchFolder(const std::string& folder) {
+  watch_ = std::make_unique<Watch>(name_, folder, true);
+  return &watch_->status();
+}
+
+RunStatus* Command::WatchFile(const std::string& file) {
+  watch_ = std::make_unique<Watch>(name_, file, false);
+  return &watch_->status();
+}
+
+void Command::Say(const std::string& outcome) {
+  std::printf("%s\n", outcome.c_str());
+  outcome_ = outcome;
+}
+
+void Command::Finish(int exit_code, const std::string& fault) {
+  const RunState state = exit_code == 0     ? RunState::kDone
+                         : exit_code == 130 ? RunState::kStopped
+                         : exit_code == 3   ? RunState::kRefused
+                                            : RunState::kFailed;
+  const std::string text = fault.empty() ? outcome_ : fault;
+  if (watch_) watch_->status().End(state, text);
+  Notify(notify_, NameOf(state), text, watch_ ? watch_->output().string() : "");
 }
 
 void Command::WriteRefusal(const std::vector<std::string>& reasons) const {

@@ -19,6 +19,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/notify.h"
+#include "cli/watch.h"
 #include "data/base/config.h"
 
 namespace sandwright {
@@ -39,6 +41,9 @@ class Command {
   void Configure(const std::vector<std::string>& overrides);
   // The --json file for a refusal that was thrown.
   void WriteRefusal(const std::vector<std::string>& reasons) const;
+  // How it ended, `fault` being what was thrown: for the files of a run that watches itself, and
+  // for notify.command.
+  void Finish(int exit_code, const std::string& fault);
 
  protected:
   uint64_t seed() const { return seed_; }
@@ -48,12 +53,21 @@ class Command {
   nlohmann::json WithRun(nlohmann::json result) const;
   // Writes that to the --json file where one was asked for.
   void WriteResult(const nlohmann::json& result) const;
+  // Of a subcommand that runs for hours: the keys `notify`; and from here on status.json and
+  // live.html in (or beside) what it makes.
+  void UnattendedFields(FieldList& f) { f.Section("notify", notify_); }
+  RunStatus* WatchFolder(const std::string& folder);
+  RunStatus* WatchFile(const std::string& file);
+  // The outcome in a line, on standard output and for whoever is told of the end.
+  void Say(const std::string& outcome);
   // The resolved configuration of this run.
   nlohmann::json ResolvedConfig() const;
 
  private:
   FieldList fields_;
-  std::string name_, config_file_, json_file_;
+  std::string name_, config_file_, json_file_, outcome_;
+  NotifyConfig notify_;
+  std::unique_ptr<Watch> watch_;
   uint64_t seed_ = 0;
   int threads_ = 0;
 };
@@ -63,6 +77,7 @@ std::unique_ptr<Command> MakeScanCommand();
 std::unique_ptr<Command> MakeCollectCommand();
 std::unique_ptr<Command> MakeFitCommand();
 std::unique_ptr<Command> MakeScoreCommand();
+std::unique_ptr<Command> MakePromoteCommand();
 std::unique_ptr<Command> MakeSimulateCommand();
 std::unique_ptr<Command> MakeTrainCommand();
 std::unique_ptr<Command> MakeEvalCommand();

@@ -41,7 +41,7 @@ class DeployCommand final : public Command {
     app.add_option("--replay", replay_, "a log to show again; nothing moves");
     app.add_option("--picture", picture_, "of a preview (PNG)");
   }
-  void Fields(FieldList& f) override { settings_.Fields(f); }
+  void Fields(FieldList& f) override { settings_.Fields(f), UnattendedFields(f); }
 
   int Run() override {
     if (!replay_.empty()) return WriteResult(ReplayLog(replay_)), 0;
@@ -56,12 +56,11 @@ class DeployCommand final : public Command {
     request_.threads = threads();
     CheckRequest();
     if (request_.mode == "preview") return ShowPreview();
-    const Deployment done = RunDeploy(request_, settings_);
-    fmt::print("{}{}{}: {} strokes", done.end, done.reason.empty() ? "" : ": ", done.reason,
-               done.strokes.size());
-    if (!request_.goal.empty())
-      fmt::print(", goal error {:.2f} -> {:.2f} mm", 1e3 * done.start_error_m, 1e3 * done.end_error_m);
-    fmt::print("; log: {}\n", request_.log);
+    const Deployment done = RunDeploy(request_, settings_, WatchFolder(request_.log));
+    const std::string goal = fmt::format(", goal error {:.2f} -> {:.2f} mm",
+                                         1e3 * done.start_error_m, 1e3 * done.end_error_m);
+    Say(fmt::format("{}: {} strokes{}; log: {}", done.Outcome(), done.strokes.size(),
+                    request_.goal.empty() ? "" : goal, request_.log));
     WriteResult(ToJson(done));
     ThrowIfStopRequested();
     return done.ok ? 0 : 3;

@@ -26,7 +26,8 @@ namespace fs = std::filesystem;
 std::string Kept(const std::string& file, const RigLog& log, const char* name) {
   if (file.empty()) return "";
   const fs::path copy = log.folder() / name;
-  if (!fs::exists(copy)) WriteFileAtomically(copy, ReadFile(file));
+  // What a start that came to nothing left here is not what is asked for now.
+  if (!fs::exists(copy) || !fs::equivalent(copy, file)) WriteFileAtomically(copy, ReadFile(file));
   return copy.string();
 }
 
@@ -94,8 +95,8 @@ Deployment Recover(Rig& rig, const SafetyGate& gate, const ScanConfig& scan, Rig
 // All that a run holds together.
 class DeployRun {
  public:
-  DeployRun(const DeployRequest& request, const DeploySettings& settings)
-      : request_(request), settings_(settings), gate_(CellOf(request)) {
+  DeployRun(const DeployRequest& request, const DeploySettings& settings, RunStatus* status)
+      : request_(request), settings_(settings), status_(status), gate_(CellOf(request)) {
     if (!request.terrain.empty()) terrain_ = ReadHeightMap(request.terrain);
     if (!request.goal.empty()) goal_ = ReadGoal(request.goal);
     if (goal_ && terrain_ && !goal_->SameGrid(*terrain_))
@@ -126,7 +127,7 @@ class DeployRun {
     Begin(log);
     if (request_.mode == "recover") return Recover(*rig_, gate_, settings_.deployment.scan, log);
     return Deploy(*rig_, gate_, *model_, source_, job_, settings_.deployment,
-                  request_.mode == "step" ? AskAtKeyboard : nullptr, log);
+                  request_.mode == "step" ? AskAtKeyboard : nullptr, log, status_);
   }
 
  private:
@@ -197,6 +198,7 @@ class DeployRun {
 
   DeployRequest request_;
   DeploySettings settings_;
+  RunStatus* status_;
   SafetyGate gate_;
   std::optional<HeightMap> terrain_, goal_;
   std::unique_ptr<SandModel> model_, world_;
@@ -240,8 +242,9 @@ DeployRequest ReadDeployRequest(const std::string& log) {
   return request;
 }
 
-Deployment RunDeploy(const DeployRequest& request, const DeploySettings& settings) {
-  return DeployRun(request, settings).Go();
+Deployment RunDeploy(const DeployRequest& request, const DeploySettings& settings,
+                     RunStatus* status) {
+  return DeployRun(request, settings, status).Go();
 }
 
 nlohmann::json Preview(const DeployRequest& request, const std::string& picture) {

@@ -64,7 +64,9 @@ struct DeploySettings {
 DeployRequest ReadDeployRequest(const std::string& log);
 
 // Runs it, log and all. Throws Error: bad input, or kRefused where the plan may not run.
-Deployment RunDeploy(const DeployRequest& request, const DeploySettings& settings);
+// `status` (none: nobody watches) is told how it goes.
+Deployment RunDeploy(const DeployRequest& request, const DeploySettings& settings,
+                     RunStatus* status = nullptr);
 
 // A look at a plan without an arm: the gate's verdict and a picture of the strokes on the terrain in
 // `picture` (where given).

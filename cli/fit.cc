@@ -1,5 +1,5 @@
 // sandwright fit: trains a surrogate or pix2pix on recorded strokes, or calibrates the heightfield.
-#include <cstdio>
+#include <spdlog/fmt/fmt.h>
 
 #include "cli/command.h"
 #include "data/base/atomic_file.h"
@@ -38,6 +38,7 @@ class FitCommand final : public Command {
     config_.Fields(f);
     f.Section("pix2pix", pix2pix_);
     f.Section("calibration", calibration_);
+    UnattendedFields(f);
   }
 
   int Run() override {
@@ -73,17 +74,19 @@ class FitCommand final : public Command {
     request.state = out_ + ".state";
     request.resume = resume_;
     if (!log_.empty()) request.log = log_;
+    request.status = WatchFile(out_);
     const FitReport report = FitSurrogate(config_, request);
     WriteSafetensors(report.model, out_);
     if (!report.stopped) std::filesystem::remove(*request.state);
     nlohmann::json json = report.ToJson();
     json["out"] = out_;
-    std::printf("%s: %d strokes, best of %d epochs is %d, training RMSE %.2f mm", out_.c_str(),
-                report.strokes, report.epochs, report.best_epoch, report.train_rmse_mm);
+    std::string validation;
     if (report.validation_rmse_mm)
-      std::printf(", validation RMSE %.2f mm (%.2f mm without the net)", *report.validation_rmse_mm,
-                  *report.validation_start_rmse_mm);
-    std::printf("\n");
+      validation = fmt::format(", validation RMSE {:.2f} mm ({:.2f} mm without the net)",
+                               *report.validation_rmse_mm, *report.validation_start_rmse_mm);
+    Say(fmt::format("{}: {} strokes, best of {} epochs is {}, training RMSE {:.2f} mm{}", out_,
+                    report.strokes, report.epochs, report.best_epoch, report.train_rmse_mm,
+                    validation));
     WriteResult(json);
     return report.stopped ? 130 : 0;
   }
@@ -100,18 +103,18 @@ class FitCommand final : public Command {
   }
 
   int TrainPix2Pix() {
-    FitPix2PixRequest request{FindStrokeFiles(data_), HeldOut(), {}, seed(), threads()};
+    FitPix2PixRequest request{FindStrokeFiles(data_), HeldOut(), {}, seed(), threads(), WatchFile(out_)};
     if (!init_.empty()) request.init = init_;
     const FitPix2PixReport report = FitPix2Pix(pix2pix_, request);
     WriteSafetensors(report.model, out_);
     nlohmann::json json = report.ToJson();
     json["out"] = out_;
-    std::printf("%s: %d strokes, best of %ld steps is %ld", out_.c_str(), report.strokes,
-                report.steps, report.best_step);
+    std::string validation;
     if (report.validation_rmse_mm)
-      std::printf(", validation RMSE %.2f mm (%.2f mm if nothing changes)",
-                  *report.validation_rmse_mm, *report.validation_start_rmse_mm);
-    std::printf("\n");
+      validation = fmt::format(", validation RMSE {:.2f} mm ({:.2f} mm if nothing changes)",
+                               *report.validation_rmse_mm, *report.validation_start_rmse_mm);
+    Say(fmt::format("{}: {} strokes, best of {} steps is {}{}", out_, report.strokes, report.steps,
+                    report.best_step, validation));
     WriteResult(json);
     return report.stopped ? 130 : 0;
   }
@@ -122,7 +125,7 @@ class FitCommand final : public Command {
   }
 
   int Calibrate() {
-    Progress progress("fit", 0, "evaluations");
+    Progress progress("fit", 0, "evaluations", WatchFile(out_));
     Calibration found =
         CalibrateHeightfield(calibration_, FindStrokeFiles(data_), HeldOut(), threads(),
                              [&](int done, double r2_change) {
@@ -131,12 +134,12 @@ class FitCommand final : public Command {
     FieldList fields;
     fields.Section("heightfield", found.heightfield);
     WriteFileAtomically(out_, ToYaml(fields));
-    std::printf("%s: r2_change %.4f -> %.4f in %d evaluations", out_.c_str(), found.start.r2_change,
-                found.fitted.r2_change, found.evaluations);
+    std::string elsewhere;
     if (found.validation)
-      std::printf(", on other beds %.4f (RMSE %.2f mm)", found.validation->r2_change,
-                  found.validation->rmse_mm);
-    std::printf("\n");
+      elsewhere = fmt::format(", on other beds {:.4f} (RMSE {:.2f} mm)", found.validation->r2_change,
+                              found.validation->rmse_mm);
+    Say(fmt::format("{}: r2_change {:.4f} -> {:.4f} in {} evaluations{}", out_,
+                    found.start.r2_change, found.fitted.r2_change, found.evaluations, elsewhere));
     nlohmann::json json = found.ToJson();
     json["out"] = out_;
     WriteResult(json);

@@ -120,12 +120,14 @@ void HtmlPage::Listing(const std::string& summary, const std::string& text) {
 
 std::string HtmlPage::Finish() const {
   const std::string title = EscapeHtml(title_);
+  const std::string refresh =
+      refresh_s_ > 0 ? fmt::format("<meta http-equiv=\"refresh\" content=\"{}\">", refresh_s_) : "";
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
-      "<title>{}</title><style>{}</style></head>\n<body><main>\n<h1>{}</h1>\n{}</main></body></"
+      "{}<title>{}</title><style>{}</style></head>\n<body><main>\n<h1>{}</h1>\n{}</main></body></"
       "html>\n",
-      title, kStyle, title, body_);
+      refresh, title, kStyle, title, body_);
 }
 
 }  // namespace sandwright

@@ -16,7 +16,9 @@ struct PageFigure {
 // Texts are escaped; elements (figures) go in as they are.
 class HtmlPage {
  public:
-  explicit HtmlPage(std::string title) : title_(std::move(title)) {}
+  // `refresh_s`: a browser loads the page anew so often; 0: never.
+  explicit HtmlPage(std::string title, int refresh_s = 0)
+      : title_(std::move(title)), refresh_s_(refresh_s) {}
 
   void Heading(const std::string& text);
   void Paragraph(const std::string& text);
@@ -26,6 +28,8 @@ class HtmlPage {
   void Tiles(const std::vector<std::pair<std::string, std::string>>& value_and_name);
   void Table(const std::vector<std::string>& header,
              const std::vector<std::vector<std::string>>& rows);
+  // An element of its own, as it is.
+  void Element(const std::string& html) { body_ += html + "\n"; }
   // Lines to copy into a shell.
   void Code(const std::string& text);
   // Behind a disclosure triangle: for long listings.
@@ -35,6 +39,7 @@ class HtmlPage {
 
  private:
   std::string title_, body_;
+  int refresh_s_;
 };
 
 // <img> with the PNG inside, for a shown width in pixels.

@@ -27,6 +27,8 @@ constexpr Entry kCommands[] = {
      MakeCollectCommand},
     {"fit", "trains a surrogate on stroke files", MakeFitCommand},
     {"score", "accuracy of a sand model on stroke files", MakeScoreCommand},
+    {"promote", "puts a rig's own sand model in the place of the old one, if it is provably better",
+     MakePromoteCommand},
     {"simulate", "applies strokes to a terrain", MakeSimulateCommand},
     {"train", "trains an agent headless", MakeTrainCommand},
     {"eval", "an agent on tasks", MakeEvalCommand},
@@ -88,6 +90,27 @@ int ExitCode(const Error& error) {
   return 1;
 }
 
+int RunToEnd(Command& command, const std::vector<std::string>& overrides) {
+  int code = 1;
+  std::string fault;
+  try {
+    command.Configure(overrides);
+    code = command.Run();
+  } catch (const Error& e) {
+    fault = e.what();
+    if (e.kind() == ErrorKind::kRefused) command.WriteRefusal(e.reasons());
+    code = ExitCode(e);
+  } catch (const std::filesystem::filesystem_error& e) {
+    fault = e.what();  // names the file or folder and what the system said
+    code = 2;
+  } catch (const std::exception& e) {
+    fault = std::string("internal fault: ") + e.what();
+  }
+  if (!fault.empty()) spdlog::error("{}", fault);
+  command.Finish(code, fault);
+  return code;
+}
+
 int Main(int argc, char** argv) {
   // Results go to stdout; everything about the run goes to stderr.
   spdlog::set_default_logger(spdlog::stderr_color_mt("sandwright"));
@@ -116,20 +139,7 @@ int Main(int argc, char** argv) {
 
   for (auto& [sub, command] : commands) {
     if (!sub->parsed()) continue;
-    try {
-      command->Configure(overrides);
-      return command->Run();
-    } catch (const Error& e) {
-      spdlog::error("{}", e.what());
-      if (e.kind() == ErrorKind::kRefused) command->WriteRefusal(e.reasons());
-      return ExitCode(e);
-    } catch (const std::filesystem::filesystem_error& e) {
-      spdlog::error("{}", e.what());  // names the file or folder and what the system said
-      return 2;
-    } catch (const std::exception& e) {
-      spdlog::error("internal fault: {}", e.what());
-      return 1;
-    }
+    return RunToEnd(*command, overrides);
   }
   return 2;
 }

@@ -21,7 +21,7 @@ class TrainCommand final : public Command {
         "overrides (key=value) apply on top");
     out->excludes(resume);
   }
-  void Fields(FieldList& f) override { config_.Fields(f); }
+  void Fields(FieldList& f) override { config_.Fields(f), UnattendedFields(f); }
 
   std::string DefaultConfigFile() const override {
     return resume_.empty() ? "" : (std::filesystem::path(resume_) / "config.yaml").string();
@@ -39,10 +39,14 @@ class TrainCommand final : public Command {
     const std::string folder = out_.empty() ? resume_ : out_;
     const auto result =
         Train(config_,
-              {.folder = folder, .seed = seed(), .threads = threads(), .resume = !resume_.empty()});
-    fmt::print("{} {} in {:.0f} s{}: {}\n", result["steps"].get<int64_t>(),
-               config_.OnSand() ? "strokes" : "steps", result["seconds"].get<double>(),
-               Outcome(result), folder);
+              {.folder = folder,
+               .seed = seed(),
+               .threads = threads(),
+               .resume = !resume_.empty(),
+               .status = WatchFolder(folder)});
+    Say(fmt::format("{} {} in {:.0f} s{}: {}", result["steps"].get<int64_t>(),
+                    config_.OnSand() ? "strokes" : "steps", result["seconds"].get<double>(),
+                    Outcome(result), folder));
     WriteResult(result);
     return 0;
   }

@@ -162,7 +162,10 @@ void WriteStrokeFile(const StrokeFile& content, const std::filesystem::path& fil
 std::vector<std::filesystem::path> FindStrokeFiles(const std::vector<std::string>& paths) {
   std::vector<std::filesystem::path> files;
   for (const std::string& path : paths) {
-    if (std::filesystem::is_directory(path)) {
+    const auto of_rig = std::filesystem::path(path) / "strokes.h5";
+    if (std::filesystem::exists(of_rig)) {
+      files.push_back(of_rig);
+    } else if (std::filesystem::is_directory(path)) {
       for (const auto& entry : std::filesystem::directory_iterator(path)) {
         const auto& name = entry.path().filename().string();
         if (entry.path().extension() == ".h5" && !name.starts_with("."))

@@ -38,8 +38,8 @@ StrokeFile ReadStrokeFile(const std::filesystem::path& file);
 // Whole file, beside and renamed.
 void WriteStrokeFile(const StrokeFile& content, const std::filesystem::path& file);
 
-// `.h5` files among `paths`, folders searched (not below), sorted. Error where
-// a path does not exist or nothing is found.
+// `.h5` files among `paths`, folders searched (not below), sorted. A folder with a strokes.h5 is the log
+// of a rig, whose other maps are no strokes. Error where a path does not exist or nothing is found.
 std::vector<std::filesystem::path> FindStrokeFiles(const std::vector<std::string>& paths);
 
 }  // namespace sandwright

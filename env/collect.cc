@@ -8,6 +8,7 @@
 
 #include "data/base/parallel.h"
 #include "data/base/progress.h"
+#include "data/bed_pictures.h"
 #include "data/stroke_dataset.h"
 #include "env/dem.h"
 #include "env/grains.h"
@@ -54,7 +55,7 @@ class Collector {
         columns_(WholeCells(config.width_m, config.cell_size_m, "width_m")),
         material_(Material(config, OfGrains(request))),
         model_(MakeModel(config, OfGrains(request))),
-        progress_("collect", request.strokes, "strokes") {}
+        progress_("collect", request.strokes, "strokes", request.status) {}
 
   Collected Run() {
     const int64_t beds = (request_.strokes + request_.sequence - 1) / request_.sequence;
@@ -195,12 +196,14 @@ class Collector {
       const std::lock_guard lock(files_);  // the HDF5 library serves one thread at a time
       bed = Open(index);
       total_.strokes += std::min(wanted, static_cast<int64_t>(bed.content.strokes.size()));
+      progress_.Update(total_.strokes);
     }
     while (static_cast<int64_t>(bed.content.strokes.size()) < wanted && !stop_()) {
       bed.content.strokes.push_back(NextStroke(bed));
       const std::lock_guard lock(files_);
       Write(bed, static_cast<int64_t>(bed.content.strokes.size()) == wanted);
       ++total_.added;
+      if (request_.status) request_.status->Show(BedPictures(bed.state->map(), {}));
       progress_.Update(++total_.strokes);
     }
   }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "data/base/run_status.h"
 #include "data/base/stop.h"
 #include "data/excavation.h"
 #include "env/dem_config.h"
@@ -44,6 +45,7 @@ struct CollectRequest {
   uint64_t seed = 0;
   int threads = 1;            // beds at a time; grains: processes
   std::string source = "heightfield";  // or "dem"
+  RunStatus* status = nullptr;         // told how it goes; none: nobody watches
 };
 
 // Strokes on file, and how many of them this call added.

@@ -208,7 +208,7 @@ std::map<std::string, std::string> Metadata(const FitPix2PixConfig& config,
   return {{"schema", "sandwright-pix2pix"},
           {"config", ToJson(FieldsOf(fit.model)).dump()},
           {"fit", ToJson(FieldsOf(fit)).dump()},
-          {"data", SplitIdentity(data, validation).dump()},
+          {"data", SplitIdentity(data, validation, request.init).dump()},
           {"seed", std::to_string(request.seed)}};
 }
 
@@ -234,7 +234,7 @@ FitPix2PixReport FitPix2Pix(const FitPix2PixConfig& config, const FitPix2PixRequ
   Kept best;
   std::string note;
   const int64_t steps = config.pretrain_steps + config.steps;
-  Progress progress("fit", steps, "steps");
+  Progress progress("fit", steps, "steps", request.status);
   while (report.steps < steps && !(report.stopped = StopRequested())) {
     trainer.Step(++report.steps);
     if (!validation.empty() &&

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "data/base/run_status.h"
 #include "env/heightfield_strokes.h"
 #include "env/pix2pix.h"
 
@@ -48,6 +49,7 @@ struct FitPix2PixRequest {
       init;  // start from this model's generator, of the same shape
   uint64_t seed = 0;
   int threads = 1;  // of torch; the same seed gives the same bytes for the same count
+  RunStatus* status = nullptr;  // told how it goes; none: nobody watches
 };
 
 // A fitted pix2pix: its file and how it went.

@@ -8,6 +8,7 @@
 #include "data/base/atomic_file.h"
 #include "data/base/sha256.h"
 #include "env/coarse_heightfield.h"
+#include "env/model_origin.h"
 
 namespace sandwright {
 namespace {
@@ -24,6 +25,16 @@ bool Unmoved(const Placement& p) { return p.turn_rad == 0 && p.shift_x_m == 0 &&
 
 bool Seen(const HeightMap& map, size_t cell) { return map.valid.empty() || map.valid[cell] != 0; }
 
+// The file by as many of its folders as tell it from those before: every rig's log has a strokes.h5.
+std::string NameAmong(const std::map<std::string, std::string>& taken,
+                      const std::filesystem::path& file) {
+  std::filesystem::path folder = std::filesystem::absolute(file).lexically_normal().parent_path(),
+                        name = file.filename();
+  for (; taken.contains(name.string()) && folder.has_relative_path(); folder = folder.parent_path())
+    name = folder.filename() / name;
+  return name.string();
+}
+
 }  // namespace
 
 FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files, const Blade& blade,
@@ -32,7 +43,7 @@ FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files, const
   for (const auto& path : files) {
     StrokeFile file = ReadStrokeFile(path);
     result.beds.insert(file.bed);
-    result.sha256[path.filename().string()] = Sha256Hex(ReadFile(path));
+    result.sha256[NameAmong(result.sha256, path)] = Sha256Hex(ReadFile(path));
     for (size_t i = 0; i < file.strokes.size(); ++i) {
       StrokeRecord& record = file.strokes[i];
       const std::string name = fmt::format("{}, stroke {}", path.string(), i);
@@ -57,11 +68,17 @@ void CheckSplit(const FitStrokes& data, const FitStrokes& validation) {
   }
 }
 
-nlohmann::json SplitIdentity(const FitStrokes& data, const FitStrokes& validation) {
+nlohmann::json SplitIdentity(const FitStrokes& data, const FitStrokes& validation,
+                             const std::optional<std::filesystem::path>& init) {
   const auto identity = [](const FitStrokes& part) {
-    return nlohmann::json{{"beds", part.beds}, {"files_sha256", part.sha256}};
+    return nlohmann::json{{"strokes", part.strokes.size()},
+                          {"beds", part.beds},
+                          {"files_sha256", part.sha256}};
   };
-  return {{"training", identity(data)}, {"validation", identity(validation)}};
+  nlohmann::json json = {{"training", identity(data)}, {"validation", identity(validation)}};
+  if (init)
+    json["init"] = DataOf(ReadSafetensors(*init), init->string());
+  return json;
 }
 
 std::string Millimetres(double value_mm) { return fmt::format("{:.3f} mm", value_mm); }

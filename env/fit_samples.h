@@ -24,7 +24,7 @@ struct FitStroke {
 struct FitStrokes {
   std::vector<FitStroke> strokes;
   std::set<std::string> beds;
-  std::map<std::string, std::string> sha256;  // of each file, by its name
+  std::map<std::string, std::string> sha256;  // of each file, by its name (with folders, where two are alike)
 };
 
 // Error: no stroke, another blade than the model's, a map that cells of `cell_size_m` do not divide.
@@ -33,8 +33,10 @@ FitStrokes ReadFitStrokes(const std::vector<std::filesystem::path>& files, const
 
 // Error where a bed is in both: splits go by bed, never by stroke.
 void CheckSplit(const FitStrokes& data, const FitStrokes& validation);
-// What a model was trained on and chosen by, for its metadata: beds and hashes of the files.
-nlohmann::json SplitIdentity(const FitStrokes& data, const FitStrokes& validation);
+// What a model was trained on and chosen by, for its metadata: strokes, beds and hashes of the files;
+// under `init` the same of the model that it started from.
+nlohmann::json SplitIdentity(const FitStrokes& data, const FitStrokes& validation,
+                             const std::optional<std::filesystem::path>& init = {});
 
 // "1.234 mm", for the notes of a fit.
 std::string Millimetres(double value_mm);

@@ -26,7 +26,7 @@ namespace sandwright {
 namespace {
 
 constexpr double kResidualScale_mm = kResidualScale_m * 1e3;
-constexpr double kStateInterval_s = 20;  // between two writes of the state
+constexpr double kStateInterval_s = 5;  // between two writes of the state, the first at once
 
 // Squared errors in net units and the cells they were taken over.
 struct ErrorSum {
@@ -227,7 +227,7 @@ std::map<std::string, std::string> Metadata(const FitConfig& config, const FitRe
           {"config", ToJson(FieldsOf(model)).dump()},
           {"fit", ToJson(FieldsOf(fit)).dump()},
           {"channels", nlohmann::json(kSurrogateChannels).dump()},
-          {"data", SplitIdentity(data, validation).dump()},
+          {"data", SplitIdentity(data, validation, request.init).dump()},
           {"init", request.init ? Sha256Hex(ReadFile(*request.init)) : ""},
           {"seed", std::to_string(request.seed)}};
 }
@@ -287,7 +287,8 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
   if (request.resume) Restore(request.state.value(), trainer, report);
   if (!validation.empty()) report.validation_start_rmse_mm = StartError(validation).rmse_mm();
 
-  Progress progress("fit", config.epochs, "epochs");
+  Progress progress("fit", config.epochs, "epochs", request.status);
+  progress.Update(report.epochs);
   const int last_epoch = static_cast<int>(
       request.epochs_now > 0 ? std::min(report.epochs + request.epochs_now, config.epochs)
                              : config.epochs);
@@ -298,7 +299,7 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
     return made;
   };
   std::optional<Safetensors> state;  // after the last whole epoch
-  double written_s = 0;
+  double written_s = -kStateInterval_s;
   std::optional<TensorboardWriter> log;
   if (request.log) {
     std::filesystem::create_directories(*request.log);
@@ -330,6 +331,7 @@ FitReport FitSurrogate(const FitConfig& config, const FitRequest& request) {
               ValidationNote(rmse_mm, *report.validation_rmse_mm, *report.validation_start_rmse_mm);
     }
     if (log) log->Write(epoch, scalars);
+    if (request.status) request.status->Figures(nlohmann::json(std::map(scalars.begin(), scalars.end())));
     progress.Update(epoch, note);
     if (!request.state) continue;
     state = Snapshot(trainer, report);

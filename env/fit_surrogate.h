@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "data/base/run_status.h"
 #include "env/generated_strokes.h"
 #include "env/surrogate.h"
 
@@ -57,6 +58,7 @@ struct FitRequest {
   std::optional<std::filesystem::path> state = {};
   bool resume = false;     // goes on from `state`
   std::optional<std::filesystem::path> log = {};  // folder of TensorBoard events, one a pass
+  RunStatus* status = nullptr;  // told how it goes; none: nobody watches
   int64_t epochs_now = 0;  // stops after so many as if by Ctrl-C; 0: goes on to the end
 };
 

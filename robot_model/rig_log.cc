@@ -1,30 +1,21 @@
 #include "robot_model/rig_log.h"
 
 #include <fcntl.h>
-#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <sstream>
 
 #include "data/base/atomic_file.h"
 #include "data/base/error.h"
+#include "data/base/utc_time.h"
 
 namespace sandwright {
 namespace {
 
 constexpr const char* kEvents = "events.jsonl";
-
-std::string UtcNow() {
-  const auto now = std::chrono::system_clock::now();
-  const auto ms =
-      std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(now)), ms);
-}
 
 const char* NameOf(GatedMotion::Kind kind) {
   switch (kind) {
@@ -54,9 +45,14 @@ nlohmann::json Describe(const GatedMotion& motion) {
 
 }  // namespace
 
+bool RigLog::Exists(const std::filesystem::path& folder) {
+  const auto events = folder / kEvents;
+  return std::filesystem::exists(events) && ReadFile(events).find('\n') != std::string::npos;
+}
+
 RigLog::RigLog(std::filesystem::path folder, bool resume) : folder_(std::move(folder)) {
   const auto events = folder_ / kEvents;
-  const bool exists = std::filesystem::exists(events);
+  const bool exists = Exists(folder_);
   if (exists && !resume)
     throw Error(folder_.string() + " holds a log: give another folder, or --resume it");
   if (!exists && resume) throw Error(folder_.string() + " holds no log (" + kEvents + ")");
@@ -64,7 +60,7 @@ RigLog::RigLog(std::filesystem::path folder, bool resume) : folder_(std::move(fo
   for (const char* kind : {"scans", "motions"})
     std::filesystem::create_directories(folder_ / kind, failed);
   if (failed) throw Error(fmt::format("{}: {}", folder_.string(), failed.message()));
-  if (resume && !ReadFile(events).ends_with('\n')) WriteFileAtomically(events, [&] {
+  if (std::filesystem::exists(events) && !ReadFile(events).ends_with('\n')) WriteFileAtomically(events, [&] {
     std::string text = ReadFile(events);
     return text.substr(0, text.rfind('\n') + 1);  // a line that a power cut left half-written
   }());
@@ -101,8 +97,10 @@ std::string RigLog::NextFile(const std::string& kind, const std::string& extensi
 void RigLog::AddStroke(const StrokeFile& head, StrokeRecord record) {
   const auto file = folder_ / "strokes.h5";
   StrokeFile content = std::filesystem::exists(file) ? ReadStrokeFile(file) : head;
-  record.sequence = 0;
-  record.step = std::ssize(content.strokes);
+  if (sequence_ < 0)
+    sequence_ = content.strokes.empty() ? 0 : content.strokes.back().sequence + 1;
+  record.sequence = sequence_;
+  record.step = step_++;
   record.time = UtcNow();
   content.strokes.push_back(std::move(record));
   WriteStrokeFile(content, file);

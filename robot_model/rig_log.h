@@ -19,6 +19,8 @@ class RigLog {
   // the other state, or cannot be written.
   RigLog(std::filesystem::path folder, bool resume);
   ~RigLog();
+  // Whether `folder` holds a log that can be gone on with: an event at least.
+  static bool Exists(const std::filesystem::path& folder);
   RigLog(const RigLog&) = delete;
   RigLog& operator=(const RigLog&) = delete;
 
@@ -27,7 +29,8 @@ class RigLog {
   void Add(const std::string& event, const nlohmann::json& content = nlohmann::json::object());
   // The next file of a kind, relative to the folder: "scans/0003.h5".
   std::string NextFile(const std::string& kind, const std::string& extension);
-  // Into strokes.h5; `head` names its source and bed.
+  // Into strokes.h5; `head` names its source and bed. The strokes of one RigLog are one sequence: what
+  // happened to the sand between two of them, nobody knows.
   void AddStroke(const StrokeFile& head, StrokeRecord record);
   const std::filesystem::path& folder() const { return folder_; }
 
@@ -38,6 +41,7 @@ class RigLog {
  private:
   std::filesystem::path folder_;
   int file_ = -1;
+  int64_t sequence_ = -1, step_ = 0;  // of the next stroke; -1: before the first one
 };
 
 // Any rig, with everything that it does and sees in the log: the intention before each motion, the

@@ -12,7 +12,7 @@
 #include "data/height_map.h"
 #include "data/stroke_dataset.h"
 #include "data/task.h"
-#include "tests/support/invoke.h"
+#include "tests/support/program.h"
 
 namespace sandwright {
 namespace {

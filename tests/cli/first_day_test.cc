@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/support/invoke.h"
+#include "tests/support/program.h"
 
 namespace sandwright {
 namespace {

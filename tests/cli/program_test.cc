@@ -12,7 +12,7 @@
 #include "data/height_map.h"
 #include "data/stroke_dataset.h"
 #include "data/task.h"
-#include "tests/support/invoke.h"
+#include "tests/support/program.h"
 
 namespace sandwright {
 namespace {
@@ -20,12 +20,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Field;
 using ::testing::HasSubstr;
-
-// SANDWRIGHT_PROGRAM comes from CMake.
-Finished Invoke(const std::string& arguments, const std::string& before = "",
-                const std::string& behind = "") {
-  return Shell(before + SANDWRIGHT_PROGRAM " " + arguments + behind);
-}
 
 class ProgramTest : public ::testing::Test {
  protected:
@@ -51,7 +45,7 @@ TEST_F(ProgramTest, HelpNamesEverySubcommandAndItsKeys) {
   const Finished help = Invoke("--help");
   EXPECT_EQ(help.exit_code, 0);
   for (const char* name : {"scan", "collect", "fit", "score", "simulate", "train", "eval", "tasks",
-                           "plan", "check", "export", "demo", "convert", "goal"}) {
+                           "plan", "check", "export", "promote", "demo", "convert", "goal"}) {
     EXPECT_THAT(help.output, HasSubstr(name));
     EXPECT_EQ(Invoke(std::string(name) + " --help").exit_code, 0) << name;
   }

@@ -259,5 +259,14 @@ TEST(StrokeDatasetTest, ReadsTheShippedGrains) {
   EXPECT_THROW(FindStrokeFiles({"nowhere"}), Error);
 }
 
+// Of a rig's log the strokes alone, whatever other maps lie in it.
+TEST(StrokeDatasetTest, FindsTheStrokesOfALog) {
+  const std::string log = Temp("log");
+  std::filesystem::create_directories(log + "/scans");
+  for (const char* name : {"/strokes.h5", "/bed.h5", "/terrain.h5", "/scans/0000.h5"})
+    WriteFileAtomically(log + name, "");
+  EXPECT_EQ(FindStrokeFiles({log}), std::vector<std::filesystem::path>{log + "/strokes.h5"});
+}
+
 }  // namespace
 }  // namespace sandwright

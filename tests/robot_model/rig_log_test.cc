@@ -95,6 +95,18 @@ TEST_F(Log, HalfALineIsDroppedAndGoneOnFrom) {
   EXPECT_EQ(events[1]["event"], "resume");
 }
 
+// Killed before its first event: nothing has moved, so it begins as if nothing were there.
+TEST_F(Log, LogWithoutAnEventIsNone) {
+  fs::create_directories(kLog);
+  std::ofstream(kLog / "events.jsonl") << "{\"event\":\"beg";
+  EXPECT_FALSE(RigLog::Exists(kLog));
+  EXPECT_THROW(RigLog(kLog, true), Error);
+  { RigLog(kLog, false).Add("begin"); }
+  EXPECT_TRUE(RigLog::Exists(kLog));
+  EXPECT_EQ(RigLog::ReadEvents(kLog).size(), 1u);
+  EXPECT_THROW(RigLog(kLog, false), Error);
+}
+
 TEST_F(Log, KeepsStrokesAsData) {
   RigLog log(kLog, false);
   StrokeRecord record;
@@ -106,6 +118,11 @@ TEST_F(Log, KeepsStrokesAsData) {
   ASSERT_EQ(file.strokes.size(), 2u);
   EXPECT_EQ(file.strokes[1].step, 1);
   EXPECT_TRUE(file.strokes[1].time.has_value());
+  log.Add("begin");
+  RigLog(kLog, true).AddStroke({"rig", "a bed", 0, "{}", {}, {}}, record);  // a sequence of its own
+  const StrokeRecord next = ReadStrokeFile(kLog / "strokes.h5").strokes.at(2);
+  EXPECT_EQ(next.sequence, 1);
+  EXPECT_EQ(next.step, 0);
 }
 
 TEST_F(Log, FolderInTheOtherStateIsRefused) {

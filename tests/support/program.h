@@ -1,4 +1,4 @@
-// The program run through the shell, as a user runs it.
+// The built program as a user runs it.
 #pragma once
 
 #include <sys/wait.h>
@@ -23,6 +23,12 @@ inline Finished Shell(const std::string& line) {
     output.append(buffer.data(), count);
   const int status = ::pclose(pipe);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), output};
+}
+
+// SANDWRIGHT_PROGRAM comes from CMake.
+inline Finished Invoke(const std::string& arguments, const std::string& before = "",
+                       const std::string& behind = "") {
+  return Shell(before + SANDWRIGHT_PROGRAM " " + arguments + behind);
 }
 
 }  // namespace sandwright
