@@ -32,6 +32,10 @@ void JointPeaks::Report(const GateLimits& limits, ArmFigures& figures) const {
     over("acceleration", acceleration[i], limits.acceleration, "rad/s^2");
     over("jerk", jerk[i], limits.jerk, "rad/s^3");
   }
+  if (figures.min_singular_value < limits.singular_value)
+    figures.reasons.push_back(
+        fmt::format("near a singularity: smallest singular value {:.4f}; needs {:.4f}",
+                    figures.min_singular_value, limits.singular_value));
 }
 
 }  // namespace sandwright

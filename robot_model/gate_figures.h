@@ -31,7 +31,8 @@ struct ArmFigures {
   double duration_s = 0;
 };
 
-// The worst of each joint quantity so far, and the reasons that follow from it.
+// The worst of each joint quantity so far, and the reasons that follow from it and from nearness to
+// a singularity.
 struct JointPeaks {
   static void Raise(Vector6& peak, const Vector6& value) { peak = peak.cwiseMax(value.cwiseAbs()); }
   void Report(const GateLimits& limits, ArmFigures& figures) const;

@@ -254,10 +254,6 @@ ArmFigures SafetyGate::Impl::TryCoarse(const std::vector<PathPiece>& pieces,
     }
   }
   peaks.Report(coarse, figures);
-  if (figures.min_singular_value < coarse.singular_value)
-    figures.reasons.push_back(
-        fmt::format("near a singularity: smallest singular value {:.4f}; needs {:.4f}",
-                    figures.min_singular_value, coarse.singular_value));
   return figures;
 }
 
@@ -292,10 +288,6 @@ ArmFigures SafetyGate::Impl::TryFine(std::span<const JointAngles> knots, double 
   if (blade_speed_mps > fastest_mps)
     figures.reasons.push_back(fmt::format("blade at {:.2f} m/s; the pendant's limit leaves {:.2f} m/s",
                                           blade_speed_mps, fastest_mps));
-  if (figures.min_singular_value < fine.singular_value)
-    figures.reasons.push_back(
-        fmt::format("near a singularity: smallest singular value {:.4f}; needs {:.4f}",
-                    figures.min_singular_value, fine.singular_value));
   figures.duration_s = static_cast<double>(knots.size() - 1) * dt;
   return figures;
 }
