@@ -86,10 +86,13 @@ class Run {
 
   // To the camera; the accepted map is what is sensed. Ends the run where that fails.
   bool Look() {
-    if (!Finished(driver_.ToCamera())) return false;
-    scan_ = {};
-    for (int64_t attempt = 0; attempt < config_.scan_attempts && !scan_.accepted; ++attempt)
-      scan_ = driver_.Look();
+    for (int64_t attempt = 0; attempt < config_.scan_attempts; ++attempt) {
+      RigDriver::Seen seen = driver_.Look();
+      if (!Finished(seen.drive)) return false;
+      scan_ = std::move(seen.scan);
+      log_.AddScan(scan_);
+      if (scan_.accepted) break;
+    }
     if (scan_.accepted) sensed_ = scan_.map;
     return scan_.accepted || End("rescan", fmt::format("{}", fmt::join(scan_.reasons, "; ")));
   }

@@ -84,11 +84,10 @@ struct ExecutedStroke {
 
 // To the camera and a look at the bed. Error where the gate or the scan refuses.
 HeightMap LookAt(RigDriver& driver) {
-  const Drive drive = driver.ToCamera();
-  if (!drive.finished()) throw Error("no rescan: " + drive.why());
-  const ScanResult scan = driver.Look();
-  if (!scan.accepted) throw Error("the rescan was refused", scan.reasons);
-  return scan.map;
+  const RigDriver::Seen seen = driver.Look();
+  if (!seen.drive.finished()) throw Error("no rescan: " + seen.drive.why());
+  if (!seen.scan.accepted) throw Error("the rescan was refused", seen.scan.reasons);
+  return seen.scan.map;
 }
 
 // One agent on its own copy of the bed; the same seed for each, so that luck is shared.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "data/gridding.h"
 #include "data/point_cloud.h"
@@ -268,25 +269,36 @@ std::optional<Place> Locate(const PointCloud& cloud, const CameraModel& camera, 
                0};
 }
 
-// The readings in the box on whole cells; the map is centred on the box, which it misses by half a
-// cell at most.
-void FillMap(const DepthFrame& frame, const DepthFrame& median, const CameraModel& camera, const ScanConfig& config,
-             const Place& place, ScanResult& result) {
+// The readings in the box, one view's behind another's, and the pixels' size on the sand.
+struct Readings {
+  std::vector<Vector3f> points_B;
+  double pixel_m = 0;
+};
+
+void AddReadings(const DepthFrame& frame, const DepthFrame& median, const CameraModel& camera,
+                 const ScanConfig& config, const Place& place, Readings& readings, ScanResult& result) {
+  const double pixel_m = (place.X_BC.translation().z() - place.sand_V) / camera.fx_px;
+  const Inside inside = ReadingsInside(frame, median, camera, place, pixel_m, config.corner_margin_m);
+  result.invalid_share = std::max(result.invalid_share, inside.invalid_share);
+  result.noise_mm = std::max(result.noise_mm, 1000 * inside.noise_m);
+  readings.pixel_m = std::max(readings.pixel_m, pixel_m);
+  readings.points_B.insert(readings.points_B.end(), inside.points_B.begin(), inside.points_B.end());
+}
+
+// On whole cells; the map is centred on the box, which it misses by half a cell at most.
+void FillMap(Readings readings, const Eigen::Vector2d& size_m, const ScanConfig& config, ScanResult& result) {
   const double cell_m = config.cell_size_m;
-  const int columns = static_cast<int>(std::lround(place.size_m.x() / cell_m));
-  const int rows = static_cast<int>(std::lround(place.size_m.y() / cell_m));
+  const int columns = static_cast<int>(std::lround(size_m.x() / cell_m)),
+            rows = static_cast<int>(std::lround(size_m.y() / cell_m));
   if (rows < 2 || columns < 2)
     throw Error(fmt::format("cell_size_m = {} leaves {} x {} cells in a box of {:.3f} x {:.3f} m; at least "
                             "2 x 2 are needed",
-                            cell_m, columns, rows, place.size_m.x(), place.size_m.y()));
-  const double pixel_m = (place.X_BC.translation().z() - place.sand_V) / camera.fx_px;
-  Inside inside = ReadingsInside(frame, median, camera, place, pixel_m, config.corner_margin_m);
-  const Vector3f to_map(static_cast<float>(0.5 * (columns * cell_m - place.size_m.x())),
-                        static_cast<float>(0.5 * (rows * cell_m - place.size_m.y())), 0);
-  for (Vector3f& p : inside.points_B) p += to_map;
-  result.invalid_share = inside.invalid_share;
-  result.noise_mm = 1000 * inside.noise_m;
-  result.map = GridPoints(inside.points_B, rows, columns, cell_m, std::max(1.2 * cell_m, 1.8 * pixel_m));
+                            cell_m, columns, rows, size_m.x(), size_m.y()));
+  const Vector3f to_map(static_cast<float>(0.5 * (columns * cell_m - size_m.x())),
+                        static_cast<float>(0.5 * (rows * cell_m - size_m.y())), 0);
+  for (Vector3f& p : readings.points_B) p += to_map;
+  result.map =
+      GridPoints(readings.points_B, rows, columns, cell_m, std::max(1.2 * cell_m, 1.8 * readings.pixel_m));
 }
 
 }  // namespace
@@ -298,7 +310,9 @@ ScanResult ScanDepth(std::span<const DepthFrame> frames, const CameraModel& came
   const DepthFrame frame = FuseFrames(frames), median = MedianFiltered(frame);
   ScanResult result;
   if (const auto place = Locate(ToPoints(median, camera), camera, config, given, result)) {
-    FillMap(frame, median, camera, config, *place, result);
+    Readings readings;
+    AddReadings(frame, median, camera, config, *place, readings, result);
+    FillMap(std::move(readings), place->size_m, config, result);
     FinishMap(config, result);
     if (result.map.size() > 0) WarnOfABoard(result);
     if (given.X_BC)
@@ -310,6 +324,29 @@ ScanResult ScanDepth(std::span<const DepthFrame> frames, const CameraModel& came
     result.corners_C = {X_CB * Vector3d(0, 0, z), X_CB * Vector3d(w, 0, z), X_CB * Vector3d(w, d, z),
                         X_CB * Vector3d(0, d, z)};
   }
+  result.accepted = result.reasons.empty();
+  result.seconds = SecondsSince(start);
+  return result;
+}
+
+ScanResult ScanViews(std::span<const DepthView> views, const CameraModel& camera, const ScanConfig& config,
+                     const Eigen::Vector2d& box_size_m) {
+  SAND_CHECK(!views.empty());
+  const auto start = std::chrono::steady_clock::now();
+  ScanResult result;
+  Readings readings;
+  for (const DepthView& view : views) {
+    const ScanPlace given{.box_size_m = box_size_m, .X_BC = view.X_BC};
+    CheckPlace(given);
+    const DepthFrame frame = FuseFrames(view.frames), median = MedianFiltered(frame);
+    const auto before = std::exchange(result.registration_error_m, std::nullopt);
+    const Place place = Locate(ToPoints(median, camera), camera, config, given, result).value();
+    if (before) result.registration_error_m = std::max(*before, result.registration_error_m.value_or(0));
+    AddReadings(frame, median, camera, config, place, readings, result);
+  }
+  FillMap(std::move(readings), box_size_m, config, result);
+  FinishMap(config, result);
+  result.map.datum = Datum::kFloor;
   result.accepted = result.reasons.empty();
   result.seconds = SecondsSince(start);
   return result;

@@ -79,6 +79,17 @@ struct ScanResult {
 ScanResult ScanDepth(std::span<const DepthFrame> frames, const CameraModel& camera,
                      const ScanConfig& config, const ScanPlace& given = {});
 
+// What a camera saw from one known pose.
+struct DepthView {
+  std::vector<DepthFrame> frames;  // of the still scene
+  Eigen::Isometry3d X_BC;
+};
+
+// The same from several poses, for boxes that none of them sees whole: all readings on one map. Shares
+// and noise are those of the worst view.
+ScanResult ScanViews(std::span<const DepthView> views, const CameraModel& camera, const ScanConfig& config,
+                     const Eigen::Vector2d& box_size_m);
+
 // `heights`: rank 2, rows along y, in units of `unit_m` metres; NaN = not seen. Row j, column i of the
 // array is row j, column i of the map. The walls are not in it: level "rim" is an Error.
 ScanResult ScanHeights(const NpyArray& heights, double unit_m, const ScanConfig& config,

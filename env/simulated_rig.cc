@@ -36,8 +36,7 @@ Execution SimulatedRig::Execute(const GatedMotion& motion, const ExecuteOptions&
   return execution;
 }
 
-ScanResult SimulatedRig::Scan(const ScanConfig& config) {
-  const HeightMap& bed = sand_.map();
+DepthView SimulatedRig::Look() {
   const Eigen::Isometry3d X_BC = cell_.X_WB.ToIsometry().inverse() *
                                  Ur10(cell_.kinematics).Forward(joints_) *
                                  cell_.tool.X_FC.ToIsometry();
@@ -45,10 +44,10 @@ ScanResult SimulatedRig::Scan(const ScanConfig& config) {
                            {.wall_height_m = cell_.box.wall_height_m,
                             .wall_thickness_m = cell_.box.wall_thickness_m,
                             .table_m = cell_.box.floor_thickness_m});
-  std::vector<DepthFrame> frames;
-  for (int64_t i = 0; i < config_.frames; ++i) frames.push_back(camera.Render(bed, stream_));
-  return ScanDepth(frames, cell_.camera, config,
-                   {.box_size_m = Eigen::Vector2d(bed.width_m(), bed.depth_m()), .X_BC = X_BC});
+  DepthView view{{}, X_BC};
+  for (int64_t i = 0; i < config_.frames; ++i)
+    view.frames.push_back(camera.Render(sand_.map(), stream_));
+  return view;
 }
 
 }  // namespace sandwright

@@ -13,11 +13,11 @@
 namespace sandwright {
 
 struct SimulatedRigConfig {
-  int64_t frames = 4;  // fused for a scan
+  int64_t frames = 4;  // of a look
   SimulatedArmConfig arm;
 
   void Fields(FieldList& f) {
-    f.Add("frames", frames, "depth frames that one scan fuses", 1, 100);
+    f.Add("frames", frames, "depth frames of a look", 1, 100);
     f.Section("arm", arm);
   }
 };
@@ -36,7 +36,7 @@ class SimulatedRig final : public Rig {
   // The arm follows the motion and the sand gives way to where the blade really went.
   Execution Execute(const GatedMotion& motion, const ExecuteOptions& options = {}) override;
   // The camera's pose is the one that the workcell's kinematics give for the joints.
-  ScanResult Scan(const ScanConfig& config) override;
+  DepthView Look() override;
 
   const HeightMap& truth() const { return sand_.map(); }
   // Where the blade went in the last stroke; empty before.

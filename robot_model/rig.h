@@ -35,9 +35,8 @@ class Rig {
   virtual JointAngles Joints() = 0;
   // Moves the arm, or not at all where it does not stand at the motion's start.
   virtual Execution Execute(const GatedMotion& motion, const ExecuteOptions& options = {}) = 0;
-  // What the camera sees of the bed from where the arm stands, on cells of `config`. A bed that
-  // cannot be made out is a refusal in the result.
-  virtual ScanResult Scan(const ScanConfig& config) = 0;
+  // What the camera sees from where the arm stands. Throws Error where there are no frames.
+  virtual DepthView Look() = 0;
 };
 
 }  // namespace sandwright

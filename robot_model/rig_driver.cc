@@ -10,6 +10,7 @@
 namespace sandwright {
 namespace {
 
+constexpr double kThere_rad = 0.002;    // nearer than this to a pose, the arm need not move
 constexpr double kAtRetreat_m = 0.005;  // how much lower than the retreat height a blade may hang
 
 // The arm may trail the motion in time.
@@ -44,24 +45,40 @@ Drive RigDriver::Execute(const Passage& passage, const ExecuteOptions& options) 
   return drive;
 }
 
-Drive RigDriver::ToCamera() {
+Drive RigDriver::ToCamera() { return ToPose(gate_.workcell().camera_pose()); }
+
+Drive RigDriver::ToPose(const JointAngles& to) {
   const JointAngles from = rig_.Joints();
-  const Workcell& cell = gate_.workcell();
-  const double below_m =
-      cell.motion.retreat_height_m - gate_.kinematics().BladeInBox(from).translation().z();
+  const double below_m = gate_.workcell().motion.retreat_height_m -
+                         gate_.kinematics().BladeInBox(from).translation().z();
   if (below_m > kAtRetreat_m)
-    return {.refused = {fmt::format("the blade stands {:.0f} mm below the retreat height: recover first",
-                                    1e3 * below_m)},
-};
-  const JointAngles to = cell.camera_pose();
+    return {.refused = {
+                fmt::format("the blade stands {:.0f} mm below the retreat height: recover first",
+                            1e3 * below_m)}};
+  if ((to.rad - from.rad).cwiseAbs().maxCoeff() < kThere_rad)
+    return {.execution = Execution{.finished = true, .end = "finished"}};
   return Execute(
       latest_ ? gate_.PassTransfer(to, *latest_, from) : gate_.PassUnseenTransfer(to, from), {});
 }
 
-ScanResult RigDriver::Look() {
-  ScanResult scan = rig_.Scan(scan_);
-  if (scan.accepted) latest_ = scan.map;
-  return scan;
+RigDriver::Seen RigDriver::Look() {
+  Seen seen;
+  std::vector<DepthView> views;
+  for (const JointAngles& pose : gate_.workcell().camera_poses()) {
+    seen.drive = ToPose(pose);
+    if (!seen.drive.finished()) return seen;
+    try {
+      views.push_back(rig_.Look());
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::kInterrupted) throw;
+      seen.scan.reasons = {error.what()};
+      return seen;
+    }
+  }
+  const BoxSettings& box = gate_.workcell().box;
+  seen.scan = ScanViews(views, gate_.workcell().camera, scan_, {box.width_m, box.depth_m});
+  if (seen.scan.accepted) latest_ = seen.scan.map;
+  return seen;
 }
 
 Drive RigDriver::Run(const Stroke& stroke, const ExecuteOptions& options) {

@@ -26,11 +26,16 @@ class RigDriver {
   RigDriver(Rig& rig, const SafetyGate& gate, const ScanConfig& scan)
       : rig_(rig), gate_(gate), scan_(scan) {}
 
-  // To the camera's pose. Above a bed not yet seen the arm keeps clear of walls filled to the brim.
+  // To the (first) pose of the camera. Above a bed not yet seen the arm keeps clear of walls filled to the brim.
   // Where the blade stands lower than the retreat height nothing moves: that is for Lift().
   Drive ToCamera();
-  // Scans from there; an accepted map is what later motions are gated on. (SAND_CHECK: at the camera.)
-  ScanResult Look();
+  // To each pose of the camera, and one scan of what is seen from them. An accepted map is what later
+  // motions are gated on.
+  struct Seen {
+    Drive drive;      // the last one
+    ScanResult scan;  // a bed that cannot be made out, or no frames: refused, with reasons
+  };
+  Seen Look();
   // A stroke, on the latest map.
   Drive Run(const Stroke& stroke, const ExecuteOptions& options = {});
   // The same, lifted until its lowest point is `clearance_m` above the highest sand.
@@ -42,6 +47,7 @@ class RigDriver {
   const std::optional<HeightMap>& latest() const { return latest_; }
 
  private:
+  Drive ToPose(const JointAngles& to);
   Drive Execute(const Passage& passage, const ExecuteOptions& options);
 
   Rig& rig_;

@@ -94,6 +94,19 @@ std::string RigLog::NextFile(const std::string& kind, const std::string& extensi
   }
 }
 
+void RigLog::AddScan(const ScanResult& scan) {
+  nlohmann::json event = {{"accepted", scan.accepted},
+                          {"reasons", scan.reasons},
+                          {"warnings", scan.warnings},
+                          {"invalid_share", scan.invalid_share},
+                          {"noise_mm", scan.noise_mm}};
+  if (scan.accepted) {
+    event["file"] = NextFile("scans", "h5");
+    WriteHeightMap(scan.map, folder_ / event["file"].get<std::string>());
+  }
+  Add("scan", event);
+}
+
 void RigLog::AddStroke(const StrokeFile& head, StrokeRecord record) {
   const auto file = folder_ / "strokes.h5";
   StrokeFile content = std::filesystem::exists(file) ? ReadStrokeFile(file) : head;
@@ -139,19 +152,10 @@ Execution LoggedRig::Execute(const GatedMotion& motion, const ExecuteOptions& op
   return execution;
 }
 
-ScanResult LoggedRig::Scan(const ScanConfig& config) {
-  ScanResult scan = rig_.Scan(config);
-  nlohmann::json event = {{"accepted", scan.accepted},
-                          {"reasons", scan.reasons},
-                          {"warnings", scan.warnings},
-                          {"invalid_share", scan.invalid_share},
-                          {"noise_mm", scan.noise_mm}};
-  if (scan.accepted) {
-    event["file"] = log_.NextFile("scans", "h5");
-    WriteHeightMap(scan.map, log_.folder() / event["file"].get<std::string>());
-  }
-  log_.Add("scan", event);
-  return scan;
+DepthView LoggedRig::Look() {
+  DepthView view = rig_.Look();
+  log_.Add("look", {{"frames", view.frames.size()}, {"joints_rad", List(rig_.Joints())}});
+  return view;
 }
 
 }  // namespace sandwright

@@ -29,6 +29,8 @@ class RigLog {
   void Add(const std::string& event, const nlohmann::json& content = nlohmann::json::object());
   // The next file of a kind, relative to the folder: "scans/0003.h5".
   std::string NextFile(const std::string& kind, const std::string& extension);
+  // A scan, with its map where it was accepted.
+  void AddScan(const ScanResult& scan);
   // Into strokes.h5; `head` names its source and bed. The strokes of one RigLog are one sequence: what
   // happened to the sand between two of them, nobody knows.
   void AddStroke(const StrokeFile& head, StrokeRecord record);
@@ -54,7 +56,7 @@ class LoggedRig final : public Rig {
   bool measures_force() const override { return rig_.measures_force(); }
   JointAngles Joints() override { return rig_.Joints(); }
   Execution Execute(const GatedMotion& motion, const ExecuteOptions& options) override;
-  ScanResult Scan(const ScanConfig& config) override;
+  DepthView Look() override;
 
  private:
   Rig& rig_;

@@ -126,8 +126,15 @@ void Workcell::Fields(FieldList& f) {
   f.Section("camera", camera);
   f.Section("kinematics", kinematics);
   f.Add("home_joints_rad", home_joints_rad, "where the arm parks, base first [rad]");
-  f.Add("camera_joints_rad", camera_joints_rad, "where scans are taken [rad]");
+  f.Add("camera_joints_rad", camera_joints_rad, "where scans are taken: six angles a pose, several poses one after another where one does not see the whole box [rad]");
   f.Section("calibration", calibration);
+}
+
+std::vector<JointAngles> Workcell::camera_poses() const {
+  std::vector<JointAngles> poses;
+  for (auto at = camera_joints_rad.begin(); at != camera_joints_rad.end(); at += 6)
+    poses.push_back(JointAngles::FromList({at, at + 6}));
+  return poses;
 }
 
 void CheckWorkcell(const Workcell& cell, const std::string& source) {
@@ -143,7 +150,11 @@ void CheckWorkcell(const Workcell& cell, const std::string& source) {
   CheckLength(cell.kinematics.alpha_rad, 6, source, "kinematics.alpha_rad");
   CheckLength(cell.kinematics.theta_rad, 6, source, "kinematics.theta_rad");
   CheckJoints(cell.home_joints_rad, cell.limits, source, "home_joints_rad");
-  CheckJoints(cell.camera_joints_rad, cell.limits, source, "camera_joints_rad");
+  if (cell.camera_joints_rad.empty() || cell.camera_joints_rad.size() % 6 != 0)
+    throw Error(fmt::format("{}: camera_joints_rad has {} numbers; six a pose are needed", source,
+                            cell.camera_joints_rad.size()));
+  for (const JointAngles& pose : cell.camera_poses())
+    CheckJoints({pose.rad.begin(), pose.rad.end()}, cell.limits, source, "camera_joints_rad");
   CheckPendant(cell.limits, source);
   // The holder and the camera then pass over the walls wherever the blade may be.
   const double hand = cell.tool.blade_height_m + cell.limits.floor_margin_m;

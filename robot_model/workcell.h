@@ -137,7 +137,9 @@ struct Workcell {
 
   void Fields(FieldList& f);
   JointAngles home() const { return JointAngles::FromList(home_joints_rad); }
-  JointAngles camera_pose() const { return JointAngles::FromList(camera_joints_rad); }
+  // Where scans are taken from, in that order; the first is where the arm waits between strokes.
+  std::vector<JointAngles> camera_poses() const;
+  JointAngles camera_pose() const { return camera_poses().front(); }
 };
 
 // Reads and checks a workcell file: lengths of lists, home and camera pose within the joint limits.

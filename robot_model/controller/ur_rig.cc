@@ -55,23 +55,11 @@ Execution UrRig::Execute(const GatedMotion& motion, const ExecuteOptions& option
           .path_force_n = PathForces(motion, outcome.samples)};
 }
 
-ScanResult UrRig::Scan(const ScanConfig& config) {
+DepthView UrRig::Look() {
   const Workcell& cell = gate_.workcell();
-  std::vector<DepthFrame> frames;
-  try {
-    frames = TakeFrames(cell.camera.source);
-  } catch (const Error& error) {
-    if (error.kind() == ErrorKind::kInterrupted) throw;
-    ScanResult unseen;
-    unseen.reasons = {error.what()};
-    return unseen;
-  }
-  const Eigen::Isometry3d X_BC = cell.X_WB.ToIsometry().inverse() *
-                                 gate_.kinematics().arm().Forward(Joints()) *
-                                 cell.tool.X_FC.ToIsometry();
-  return ScanDepth(frames, cell.camera, config,
-                   {.box_size_m = Eigen::Vector2d(cell.box.width_m, cell.box.depth_m),
-                    .X_BC = X_BC});
+  return {TakeFrames(cell.camera.source), cell.X_WB.ToIsometry().inverse() *
+                                              gate_.kinematics().arm().Forward(Joints()) *
+                                              cell.tool.X_FC.ToIsometry()};
 }
 
 }  // namespace sandwright

@@ -20,7 +20,7 @@ class UrRig final : public Rig {
   JointAngles Joints() override { return controller_.latest().actual_q; }
   // Sends one program and watches it; after any end but "finished" none is sent any more.
   Execution Execute(const GatedMotion& motion, const ExecuteOptions& options = {}) override;
-  ScanResult Scan(const ScanConfig& config) override;
+  DepthView Look() override;
 
  private:
   const SafetyGate& gate_;

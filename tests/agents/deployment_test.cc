@@ -30,7 +30,7 @@ class FaultyRig final : public Rig {
     if (motions++ != fault_at_) return rig_.Execute(motion, options);
     return {.end = "force", .reason = "60 N above the baseline"};
   }
-  ScanResult Scan(const ScanConfig& config) override { return rig_.Scan(config); }
+  DepthView Look() override { return rig_.Look(); }
   int motions = 0;
 
  private:
@@ -89,6 +89,35 @@ TEST_F(Deploying, PlanRunsStrokeByStroke) {
   EXPECT_EQ(Count("motion", "stroke"), 2);
   EXPECT_EQ(ReadStrokeFile(kLog / "strokes.h5").strokes.size(), 2u);
   EXPECT_EQ(ReadStrokeFile(kLog / "strokes.h5").source, "simulated");
+}
+
+// Two poses that each see a part of the bed: one map, as good as from above the middle.
+TEST_F(Deploying, BedIsSeenFromSeveralPoses) {
+  const std::vector<double> whole = cell_.camera_joints_rad;
+  cell_.camera.width = 130;  // sees some 0.3 m of the bed
+  cell_.camera.cx_px = 65;
+  for (const double turn : {0.12, -0.12}) {
+    std::vector<double> pose = whole;
+    pose[0] += turn;
+    cell_.camera_joints_rad.insert(cell_.camera_joints_rad.end(), pose.begin(), pose.end());
+  }
+  cell_.camera_joints_rad.erase(cell_.camera_joints_rad.begin(), cell_.camera_joints_rad.begin() + 6);
+  CheckWorkcell(cell_, "cell");
+  const SafetyGate gate(cell_);
+  SimulatedRig rig(cell_, model_, terrain_, {}, RandomStream(1));
+  RigDriver driver(rig, gate, config_.scan);
+  const RigDriver::Seen seen = driver.Look();
+  ASSERT_TRUE(seen.scan.accepted) << ::testing::PrintToString(seen.scan.reasons);
+  double worst_m = 0;
+  for (const float height : seen.scan.map.height_m)
+    worst_m = std::max<double>(worst_m, std::abs(height - 0.05));
+  EXPECT_LT(worst_m, 0.004);
+  // Either of them alone leaves a hole.
+  cell_.camera_joints_rad.resize(6);
+  const SafetyGate one_gate(cell_);
+  SimulatedRig one_rig(cell_, model_, terrain_, {}, RandomStream(1));
+  RigDriver one(one_rig, one_gate, config_.scan);
+  EXPECT_FALSE(one.Look().scan.accepted);
 }
 
 TEST_F(Deploying, RefusedStrokeNeverReachesTheArm) {
@@ -184,7 +213,7 @@ TEST_F(Deploying, BuriedBladeMustBeRecoveredFirst) {
       lifted = motion.kind() == GatedMotion::Kind::kLift;
       return {.finished = true, .end = "finished"};
     }
-    ScanResult Scan(const ScanConfig&) override { return {}; }
+    DepthView Look() override { return {}; }
     bool lifted = false;
 
    private:

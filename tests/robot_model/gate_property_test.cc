@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "data/base/error.h"
+#include "env/depth_camera.h"
 #include "robot_model/arm_model.h"
 #include "robot_model/plan.h"
 #include "robot_model/rig_driver.h"
@@ -33,11 +34,11 @@ class InspectingRig final : public Rig {
     done.record.speed_radps = {Vector6::Zero()};
     return done;
   }
-  ScanResult Scan(const ScanConfig&) override {
-    ScanResult scan;
-    scan.accepted = true;
-    scan.map = bed_;
-    return scan;
+  DepthView Look() override {
+    const Eigen::Isometry3d X_BC = cell_.X_WB.ToIsometry().inverse() *
+                                   Ur10(cell_.kinematics).Forward(at_) *
+                                   cell_.tool.X_FC.ToIsometry();
+    return {{DepthCamera(cell_.camera, X_BC).Render(bed_, stream_)}, X_BC};
   }
   int motions = 0;
 
@@ -84,6 +85,7 @@ class InspectingRig final : public Rig {
   MujocoModel model_;
   MujocoData data_;
   JointAngles at_ = cell_.home();
+  RandomStream stream_{5};
 };
 
 // Now and then what no program should ask for.
@@ -113,8 +115,8 @@ TEST(GateProperty, NothingThatBreaksALimitReachesAnArm) {
   RigDriver driver(rig, gate, {});
   EXPECT_FALSE(driver.Run(TypicalStroke(0.6, 0.4, 0)).finished());  // nothing has been seen
   EXPECT_EQ(rig.motions, 0);
-  ASSERT_TRUE(driver.ToCamera().finished());
-  driver.Look();
+  const RigDriver::Seen seen = driver.Look();
+  ASSERT_TRUE(seen.scan.accepted) << ::testing::PrintToString(seen.scan.reasons);
   int asked = 0, done = 0;
   while (asked < 1500 && !::testing::Test::HasFailure()) {
     ++asked;

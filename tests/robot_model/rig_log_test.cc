@@ -33,11 +33,7 @@ class CountingRig final : public Rig {
     record.speed_radps = {Vector6::Zero()};
     return {.finished = true, .end = "finished", .record = record};
   }
-  ScanResult Scan(const ScanConfig&) override {
-    ScanResult dark;
-    dark.reasons = {"dark"};
-    return dark;
-  }
+  DepthView Look() override { return {std::vector<DepthFrame>(3), Eigen::Isometry3d::Identity()}; }
   int moved = 0;
 };
 
@@ -58,14 +54,18 @@ TEST_F(Log, TellsTheIntentionAndTheOutcome) {
   RigLog log(kLog, false);
   LoggedRig logged(rig_, log);
   EXPECT_TRUE(logged.Execute(Motion(), {}).finished);
-  EXPECT_FALSE(logged.Scan({}).accepted);
+  EXPECT_EQ(logged.Look().frames.size(), 3u);
+  ScanResult dark;
+  dark.reasons = {"dark"};
+  log.AddScan(dark);
   const auto events = RigLog::ReadEvents(kLog);
-  ASSERT_EQ(events.size(), 3u);
+  ASSERT_EQ(events.size(), 4u);
   EXPECT_EQ(events[0]["event"], "motion");
   EXPECT_EQ(events[0]["kind"], "transfer");
   EXPECT_EQ(events[1]["event"], "moved");
   EXPECT_EQ(events[1]["end"], "finished");
-  EXPECT_EQ(events[2]["reasons"][0], "dark");
+  EXPECT_EQ(events[2]["frames"], 3);
+  EXPECT_EQ(events[3]["reasons"][0], "dark");
   EXPECT_THAT(ReadFile(kLog / events[1]["file"].get<std::string>()),
               ::testing::StartsWith("time_s,commanded_1_rad"));
 }
