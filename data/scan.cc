@@ -291,8 +291,7 @@ void FillMap(Readings readings, const Eigen::Vector2d& size_m, const ScanConfig&
   const int columns = static_cast<int>(std::lround(size_m.x() / cell_m)),
             rows = static_cast<int>(std::lround(size_m.y() / cell_m));
   if (rows < 2 || columns < 2)
-    throw Error(fmt::format("cell_size_m = {} leaves {} x {} cells in a box of {:.3f} x {:.3f} m; at least "
-                            "2 x 2 are needed",
+    throw Error(fmt::format("cell_size_m = {} leaves {} x {} cells in a box of {:.3f} x {:.3f} m; at least 2 x 2 are needed",
                             cell_m, columns, rows, size_m.x(), size_m.y()));
   const Vector3f to_map(static_cast<float>(0.5 * (columns * cell_m - size_m.x())),
                         static_cast<float>(0.5 * (rows * cell_m - size_m.y())), 0);
@@ -336,11 +335,10 @@ ScanResult ScanViews(std::span<const DepthView> views, const CameraModel& camera
   ScanResult result;
   Readings readings;
   for (const DepthView& view : views) {
-    const ScanPlace given{.box_size_m = box_size_m, .X_BC = view.X_BC};
-    CheckPlace(given);
     const DepthFrame frame = FuseFrames(view.frames), median = MedianFiltered(frame);
     const auto before = std::exchange(result.registration_error_m, std::nullopt);
-    const Place place = Locate(ToPoints(median, camera), camera, config, given, result).value();
+    const Place place =
+        Locate(ToPoints(median, camera), camera, config, {.box_size_m = box_size_m, .X_BC = view.X_BC}, result).value();
     if (before) result.registration_error_m = std::max(*before, result.registration_error_m.value_or(0));
     AddReadings(frame, median, camera, config, place, readings, result);
   }

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kLog = fs::path(::testing::TempDir()) / kLog;
+const fs::path kLog = fs::path(::testing::TempDir()) / "log";
 using ::testing::HasSubstr;
 
 // A rig whose n-th motion ends with a fault.

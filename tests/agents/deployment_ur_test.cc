@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kLog = fs::path(::testing::TempDir()) / kLog;
+const fs::path kLog = fs::path(::testing::TempDir()) / "log";
 
 // Pictures of the bed before and after a stroke, handed out by a command as a camera's would.
 class Camera {

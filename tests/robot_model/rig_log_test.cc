@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kLog = fs::path(::testing::TempDir()) / kLog;
+const fs::path kLog = fs::path(::testing::TempDir()) / "log";
 
 // Counts what reaches the arm.
 class CountingRig final : public Rig {
