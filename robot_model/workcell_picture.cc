@@ -19,8 +19,9 @@ constexpr double kAxis_m = 0.09;
 const cv::Scalar kPaper(250, 251, 252), kInk(60, 50, 45), kWood(150, 185, 210), kFaint(170, 165, 160),
     kView(40, 60, 220);
 
-Eigen::Isometry3d CameraInBox(const Workcell& cell) {
-  return cell.X_WB.ToIsometry().inverse() * Ur10(cell.kinematics).Forward(cell.camera_pose()) *
+// X_BC at a pose of the arm.
+Eigen::Isometry3d CameraInBox(const Workcell& cell, const JointAngles& q) {
+  return cell.X_WB.ToIsometry().inverse() * Ur10(cell.kinematics).Forward(q) *
          cell.tool.X_FC.ToIsometry();
 }
 
@@ -35,8 +36,7 @@ std::vector<cv::Point2d> Project(const std::vector<cv::Point3d>& points_C,
 }
 
 // The picture's border on the plane z = 0 of B, where its rays meet it.
-std::vector<Eigen::Vector2d> ViewOnFloor(const Workcell& cell) {
-  const Eigen::Isometry3d X_BC = CameraInBox(cell);
+std::vector<Eigen::Vector2d> ViewOnFloor(const Workcell& cell, const Eigen::Isometry3d& X_BC) {
   const std::vector<PixelRay> rays = PixelRays(cell.camera);
   const int w = static_cast<int>(cell.camera.width), h = static_cast<int>(cell.camera.height);
   std::vector<int> border;
@@ -192,43 +192,49 @@ void DrawPanel(Sheet& sheet, const SafetyGate& gate) {
               {left, y}, 1.1, faults.empty() ? cv::Scalar(60, 130, 40) : kView);
 }
 
+// A point of the floor is in the camera's picture, and not behind a wall's rim.
+bool Sees(const Workcell& cell, const Eigen::Isometry3d& X_BC, const Eigen::Vector3d& floor) {
+  const Eigen::Vector3d eye = X_BC.translation(), p_C = X_BC.inverse() * floor;
+  if (p_C.z() <= 0 || eye.z() <= cell.box.wall_height_m) return false;
+  // Where the line of sight comes down to the rim it must be inside the walls.
+  const Eigen::Vector3d rim = floor + (cell.box.wall_height_m / eye.z()) * (eye - floor);
+  if (rim.x() < 0 || rim.y() < 0 || rim.x() > cell.box.width_m || rim.y() > cell.box.depth_m)
+    return false;
+  const cv::Point2d p = Project({{p_C.x(), p_C.y(), p_C.z()}}, cell.camera).front();
+  return p.x >= 0 && p.y >= 0 && p.x <= static_cast<double>(cell.camera.width - 1) &&
+         p.y <= static_cast<double>(cell.camera.height - 1);
+}
+
 }  // namespace
 
 double CameraCoverage(const Workcell& cell) {
   constexpr double kGrid_m = 0.01;
-  const Eigen::Isometry3d X_BC = CameraInBox(cell);
-  const Eigen::Vector3d eye = X_BC.translation();
-  std::vector<cv::Point3d> open_C;
-  size_t all = 0;
+  std::vector<Eigen::Isometry3d> cameras;
+  for (const JointAngles& pose : cell.camera_poses()) cameras.push_back(CameraInBox(cell, pose));
+  size_t all = 0, seen = 0;
   for (double y = kGrid_m / 2; y < cell.box.depth_m; y += kGrid_m)
-    for (double x = kGrid_m / 2; x < cell.box.width_m; x += kGrid_m, ++all) {
-      const Eigen::Vector3d floor(x, y, 0), p_C = X_BC.inverse() * floor;
-      if (p_C.z() <= 0 || eye.z() <= cell.box.wall_height_m) continue;
-      // Where the line of sight comes down to the rim it must be inside the walls.
-      const Eigen::Vector3d rim = floor + (cell.box.wall_height_m / eye.z()) * (eye - floor);
-      if (rim.x() < 0 || rim.y() < 0 || rim.x() > cell.box.width_m || rim.y() > cell.box.depth_m)
-        continue;
-      open_C.emplace_back(p_C.x(), p_C.y(), p_C.z());
-    }
-  if (open_C.empty()) return 0;
-  const auto seen = std::ranges::count_if(Project(open_C, cell.camera), [&](const cv::Point2d& p) {
-    return p.x >= 0 && p.y >= 0 && p.x <= static_cast<double>(cell.camera.width - 1) &&
-           p.y <= static_cast<double>(cell.camera.height - 1);
-  });
+    for (double x = kGrid_m / 2; x < cell.box.width_m; x += kGrid_m, ++all)
+      seen += std::ranges::any_of(cameras, [&](const Eigen::Isometry3d& X_BC) {
+        return Sees(cell, X_BC, Eigen::Vector3d(x, y, 0));
+      });
   return static_cast<double>(seen) / static_cast<double>(all);
 }
 
 cv::Mat DrawWorkcell(const SafetyGate& gate) {
   const Workcell& cell = gate.workcell();
-  const std::vector<Eigen::Vector2d> view = ViewOnFloor(cell);
-  std::vector<Eigen::Vector2d> inside = view;
+  std::vector<std::vector<Eigen::Vector2d>> views;
+  std::vector<Eigen::Vector2d> inside;
+  for (const JointAngles& pose : cell.camera_poses()) {
+    views.push_back(ViewOnFloor(cell, CameraInBox(cell, pose)));
+    inside.insert(inside.end(), views.back().begin(), views.back().end());
+  }
   const Eigen::Vector2d base = cell.X_WB.ToIsometry().inverse().translation().head<2>();
   const Eigen::Vector2d post = Eigen::Vector2d::Constant(cell.box.pedestal_radius_m);
   inside.push_back(base - post);
   inside.push_back(base + post);
   Sheet sheet(cell, inside);
   DrawBox(sheet, cell, gate.reach());
-  DrawView(sheet, view);
+  for (const auto& view : views) DrawView(sheet, view);
   DrawFrames(sheet, cell);
   DrawPanel(sheet, gate);
   cv::Mat kept;

@@ -7,13 +7,13 @@
 
 namespace sandwright {
 
-// Share of the box floor that the camera sees from the camera pose: within its picture, and not
+// Share of the box floor that the camera sees from one of its poses: within its picture, and not
 // behind a wall's rim. On a grid of 10 mm.
 double CameraCoverage(const Workcell& workcell);
 
 // Plan view along -z of B, x to the right, to scale: the box and the share of headings in which the
-// arm can start strokes, the outline of the camera's picture on the box floor, the frames W, B, F (at
-// home), T and C (at the camera pose), each with its axes and its height in B; below, what the colours
+// arm can start strokes, the outlines of the camera's pictures on the box floor, the frames W, B, F (at
+// home), T and C (at the first camera pose), each with its axes and its height in B; below, what the colours
 // mean and whether the cell is calibrated. BGR.
 cv::Mat DrawWorkcell(const SafetyGate& gate);
 

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "data/base/error.h"
+#include "robot_model/workcell_picture.h"
 
 namespace sandwright {
 namespace {
@@ -91,6 +92,23 @@ TEST(Workcell, PoseSettingIsTheRotationVectorOfThePendant) {
   const Eigen::Vector3d p = pose.ToIsometry() * Eigen::Vector3d(1, 0, 0);
   EXPECT_TRUE(p.isApprox(Eigen::Vector3d(1, 3, 3), 1e-12)) << p.transpose();
   EXPECT_TRUE(PoseSetting{}.ToIsometry().isApprox(Eigen::Isometry3d::Identity()));
+}
+
+TEST(Workcell, CameraPosesAddUpInWhatTheySee) {
+  Workcell cell;
+  EXPECT_DOUBLE_EQ(CameraCoverage(cell), 1);
+  cell.camera.width = 300;
+  cell.camera.cx_px = 150;
+  const double one = CameraCoverage(cell);
+  EXPECT_LT(one, 0.9);
+  std::vector<double> aside = cell.camera_joints_rad;
+  aside[0] += 0.4;
+  cell.camera_joints_rad.insert(cell.camera_joints_rad.end(), aside.begin(), aside.end());
+  CheckWorkcell(cell, "cell");
+  EXPECT_EQ(cell.camera_poses().size(), 2u);
+  EXPECT_GT(CameraCoverage(cell), one + 0.05);
+  cell.camera_joints_rad.pop_back();
+  EXPECT_THROW(CheckWorkcell(cell, "cell"), Error);
 }
 
 }  // namespace
