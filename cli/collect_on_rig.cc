@@ -4,6 +4,7 @@
 #include "data/shipped.h"
 
 namespace sandwright {
+
 Deployment CollectOnRig(DeployRequest request, DeploySettings settings,
                         const CollectConfig& config, RunStatus* status) {
   namespace fs = std::filesystem;
@@ -13,9 +14,10 @@ Deployment CollectOnRig(DeployRequest request, DeploySettings settings,
   request.resume = RigLog::Exists(folder);
   settings.excavation = config.excavation;
   settings.deployment.scan.cell_size_m = config.cell_size_m;
+  if (request.arm != "simulated") return RunDeploy(request, settings, status);
   const fs::path bed = folder / "terrain.h5";
   request.terrain = bed.string();
-  if (request.arm == "simulated" && !fs::exists(bed)) {
+  if (!fs::exists(bed)) {
     const BoxSettings box = LoadWorkcell(request.workcell).box;
     RandomStream stream(request.seed, StreamId("bed"));
     fs::create_directories(folder);

@@ -38,8 +38,7 @@ Workcell CellOf(const DeployRequest& request) {
 
 // The sealed plan, gated once more on the scan that it was made for.
 Plan CheckedPlan(const DeployRequest& request, const SafetyGate& gate, const HeightMap& terrain) {
-  const Plan plan = ReadPlan(request.plan);
-  CheckSeal(plan, gate.workcell(), terrain, request.plan);
+  Plan plan = ReadSealedPlan(request.plan, gate.workcell(), terrain);
   const PlanVerdict verdict = CheckPlan(gate, plan.strokes, terrain);
   if (!verdict.accepted) throw Error(request.plan, verdict.reasons);
   return plan;
@@ -135,6 +134,7 @@ class DeployRun {
 
   void FollowPlan() {
     const Plan plan = CheckedPlan(request_, gate_, terrain_.value());
+    seal_ = plan.seal->seal;
     job_.planned = true;
     job_.planned_for = terrain_;
     source_ = [strokes = plan.strokes](const HeightMap&, int used, int) {
@@ -192,7 +192,7 @@ class DeployRun {
     begin["rig"] = rig_->name();
     begin["workcell_hash"] = WorkcellHash(cell);
     begin["calibration_hash"] = CalibrationHash(cell);
-    if (!request_.plan.empty()) begin["plan_seal"] = ReadPlan(request_.plan).seal->seal;
+    if (!seal_.empty()) begin["plan_seal"] = seal_;
     log.Add(request_.resume ? "resume" : "begin", begin);
   }
 
@@ -208,6 +208,7 @@ class DeployRun {
   ShapingJob shaping_;
   RandomStream stream_{0};
   StrokeSource source_;
+  std::string seal_;  // of the plan that is followed
 };
 
 }  // namespace
@@ -250,8 +251,7 @@ Deployment RunDeploy(const DeployRequest& request, const DeploySettings& setting
 nlohmann::json Preview(const DeployRequest& request, const std::string& picture) {
   const SafetyGate gate(CellOf(request));
   const HeightMap terrain = ReadHeightMap(request.terrain);
-  const Plan plan = ReadPlan(request.plan);
-  CheckSeal(plan, gate.workcell(), terrain, request.plan);
+  const Plan plan = ReadSealedPlan(request.plan, gate.workcell(), terrain);
   const PlanVerdict verdict = CheckPlan(gate, plan.strokes, terrain);
   if (!picture.empty()) {
     const auto [low, high] = std::ranges::minmax(terrain.height_m);

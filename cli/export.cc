@@ -24,10 +24,9 @@ class ExportCommand final : public Command {
   }
 
   int Run() override {
-    const Plan plan = ReadPlan(plan_file_);
     const HeightMap terrain = ReadHeightMap(terrain_file_);
     const Workcell workcell = LoadWorkcell(workcell_file_);
-    CheckSeal(plan, workcell, terrain, plan_file_);
+    const Plan plan = ReadSealedPlan(plan_file_, workcell, terrain);
     const SafetyGate gate(workcell);
     const PlanVerdict verdict = CheckPlan(gate, plan.strokes, terrain);
     if (!verdict.accepted) throw Error(plan_file_, verdict.reasons);

@@ -4,7 +4,7 @@
 
 #include <regex>
 
-#include "robot_model/workcell.h"
+#include "robot_model/camera_pose.h"
 
 namespace sandwright {
 namespace {
@@ -45,9 +45,7 @@ ScanPlace PlaceOfScan(const std::string& box, const std::string& workcell,
     throw Error(
         fmt::format("--box {} contradicts {}: {} x {} m", box, workcell, size_m.x(), size_m.y()));
   place.box_size_m = size_m;
-  const Eigen::Isometry3d X_WF =
-      Ur10(cell.kinematics).Forward(JointAngles::FromList(angles.joints_rad));
-  place.X_BC = cell.X_WB.ToIsometry().inverse() * X_WF * cell.tool.X_FC.ToIsometry();
+  place.X_BC = CameraInBox(cell, JointAngles::FromList(angles.joints_rad));
   return place;
 }
 

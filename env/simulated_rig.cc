@@ -1,6 +1,7 @@
 #include "env/simulated_rig.h"
 
 #include "data/base/error.h"
+#include "robot_model/camera_pose.h"
 
 namespace sandwright {
 namespace {
@@ -37,9 +38,7 @@ Execution SimulatedRig::Execute(const GatedMotion& motion, const ExecuteOptions&
 }
 
 DepthView SimulatedRig::Look() {
-  const Eigen::Isometry3d X_BC = cell_.X_WB.ToIsometry().inverse() *
-                                 Ur10(cell_.kinematics).Forward(joints_) *
-                                 cell_.tool.X_FC.ToIsometry();
+  const Eigen::Isometry3d X_BC = CameraInBox(cell_, joints_);
   const DepthCamera camera(cell_.camera, X_BC,
                            {.wall_height_m = cell_.box.wall_height_m,
                             .wall_thickness_m = cell_.box.wall_thickness_m,

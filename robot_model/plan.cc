@@ -98,6 +98,13 @@ void CheckSeal(const Plan& plan, const Workcell& workcell, const HeightMap& terr
   if (!reasons.empty()) throw Error(source, reasons);
 }
 
+Plan ReadSealedPlan(const std::filesystem::path& file, const Workcell& workcell,
+                    const HeightMap& terrain) {
+  Plan plan = ReadPlan(file);
+  CheckSeal(plan, workcell, terrain, file.string());
+  return plan;
+}
+
 PlanVerdict CheckPlan(const SafetyGate& gate, const std::vector<Stroke>& strokes,
                       const HeightMap& terrain) {
   PlanVerdict verdict;

@@ -38,6 +38,10 @@ PlanSeal MakeSeal(const std::vector<Stroke>& strokes, const Workcell& workcell,
 void CheckSeal(const Plan& plan, const Workcell& workcell, const HeightMap& terrain,
                const std::string& source);
 
+// Both at once: a plan that is sealed for this cell and scan. Throws as they do.
+Plan ReadSealedPlan(const std::filesystem::path& file, const Workcell& workcell,
+                    const HeightMap& terrain);
+
 // The gate over a whole plan: each stroke on the terrain as it is now (what
 // earlier strokes will do to the sand is known only after the next scan), the
 // transfers between them, from and back to home.

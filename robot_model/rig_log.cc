@@ -60,10 +60,11 @@ RigLog::RigLog(std::filesystem::path folder, bool resume) : folder_(std::move(fo
   for (const char* kind : {"scans", "motions"})
     std::filesystem::create_directories(folder_ / kind, failed);
   if (failed) throw Error(fmt::format("{}: {}", folder_.string(), failed.message()));
-  if (std::filesystem::exists(events) && !ReadFile(events).ends_with('\n')) WriteFileAtomically(events, [&] {
-    std::string text = ReadFile(events);
-    return text.substr(0, text.rfind('\n') + 1);  // a line that a power cut left half-written
-  }());
+  if (std::filesystem::exists(events)) {
+    const std::string text = ReadFile(events);
+    if (!text.ends_with('\n'))  // a line that a power cut left half-written
+      WriteFileAtomically(events, text.substr(0, text.rfind('\n') + 1));
+  }
   file_ = ::open(events.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) throw Error(fmt::format("{}: {}", events.string(), std::strerror(errno)));
 }

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "robot_model/calibration/cell_calibration.h"
+#include "robot_model/camera_pose.h"
 
 namespace sandwright {
 namespace {
@@ -18,12 +19,6 @@ constexpr double kAxis_m = 0.09;
 
 const cv::Scalar kPaper(250, 251, 252), kInk(60, 50, 45), kWood(150, 185, 210), kFaint(170, 165, 160),
     kView(40, 60, 220);
-
-// X_BC at a pose of the arm.
-Eigen::Isometry3d CameraInBox(const Workcell& cell, const JointAngles& q) {
-  return cell.X_WB.ToIsometry().inverse() * Ur10(cell.kinematics).Forward(q) *
-         cell.tool.X_FC.ToIsometry();
-}
 
 // Pixels of points of C, distortion included.
 std::vector<cv::Point2d> Project(const std::vector<cv::Point3d>& points_C,

@@ -4,6 +4,7 @@
 
 #include "data/base/error.h"
 #include "robot_model/calibration/cell_calibration.h"
+#include "robot_model/camera_pose.h"
 
 namespace sandwright {
 namespace {
@@ -57,9 +58,7 @@ Execution UrRig::Execute(const GatedMotion& motion, const ExecuteOptions& option
 
 DepthView UrRig::Look() {
   const Workcell& cell = gate_.workcell();
-  return {TakeFrames(cell.camera.source), cell.X_WB.ToIsometry().inverse() *
-                                              gate_.kinematics().arm().Forward(Joints()) *
-                                              cell.tool.X_FC.ToIsometry()};
+  return {TakeFrames(cell.camera.source), CameraInBox(cell, Joints())};
 }
 
 }  // namespace sandwright

@@ -12,6 +12,7 @@
 #include "env/depth_camera.h"
 #include "env/heightfield.h"
 #include "robot_model/calibration/cell_calibration.h"
+#include "robot_model/camera_pose.h"
 #include "robot_model/controller/ur_rig.h"
 #include "tests/support/controller_fake/controller_fake.h"
 
@@ -28,10 +29,7 @@ class Camera {
   Camera(Workcell& cell, const std::vector<HeightMap>& beds) {
     fs::remove_all(folder_);
     RandomStream stream(3);
-    const Eigen::Isometry3d X_BC = cell.X_WB.ToIsometry().inverse() *
-                                   Ur10(cell.kinematics).Forward(cell.camera_pose()) *
-                                   cell.tool.X_FC.ToIsometry();
-    const DepthCamera camera(cell.camera, X_BC);
+    const DepthCamera camera(cell.camera, CameraInBox(cell, cell.camera_pose()));
     for (size_t look = 0; look < beds.size(); ++look) {
       const fs::path frames = folder_ / std::to_string(look);
       fs::create_directories(frames);

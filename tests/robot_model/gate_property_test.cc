@@ -8,6 +8,7 @@
 #include "data/base/error.h"
 #include "env/depth_camera.h"
 #include "robot_model/arm_model.h"
+#include "robot_model/camera_pose.h"
 #include "robot_model/plan.h"
 #include "robot_model/rig_driver.h"
 #include "tests/support/random_strokes.h"
@@ -35,9 +36,7 @@ class InspectingRig final : public Rig {
     return done;
   }
   DepthView Look() override {
-    const Eigen::Isometry3d X_BC = cell_.X_WB.ToIsometry().inverse() *
-                                   Ur10(cell_.kinematics).Forward(at_) *
-                                   cell_.tool.X_FC.ToIsometry();
+    const Eigen::Isometry3d X_BC = CameraInBox(cell_, at_);
     return {{DepthCamera(cell_.camera, X_BC).Render(bed_, stream_)}, X_BC};
   }
   int motions = 0;
