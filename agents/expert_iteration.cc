@@ -6,6 +6,7 @@
 
 #include "agents/refine.h"
 #include "agents/stroke_proposal.h"
+#include "agents/stroke_trial.h"
 #include "agents/symmetry.h"
 #include "data/base/error.h"
 #include "robot_model/safety_gate.h"
@@ -20,14 +21,6 @@ std::vector<float> Values(const std::vector<Action>& actions) {
   std::vector<float> values;
   for (const Action& action : actions) values.insert(values.end(), action.begin(), action.end());
   return values;
-}
-
-std::vector<Action> ActionsOf(const torch::Tensor& action) {
-  const auto rows = action.contiguous();
-  std::vector<Action> actions(static_cast<size_t>(rows.size(0)));
-  for (size_t i = 0; i < actions.size(); ++i)
-    std::copy_n(rows.data_ptr<float>() + i * kActionSize, kActionSize, actions[i].begin());
-  return actions;
 }
 
 }  // namespace
@@ -58,24 +51,14 @@ void ExpertIteration::RestartEpisodes() {
 
 void ExpertIteration::Try(const EpisodeState& state, std::span<const Action> candidates,
                           Advice& advice) {
-  const HeightMap& sensed = state.sensed.map();
-  std::vector<SandState> after(candidates.size(), state.sand);
-  std::vector<Stroke> strokes;
-  for (const Action& action : candidates)
-    strokes.push_back(
-        DecodeAction(action, sensed, state.region, world_.sand.blade(), episode_.speed_mps));
-  world_.sand.Apply(after, strokes);
-  std::vector<double> reward;
-  for (const SandState& end : after)
-    reward.push_back(
-        StrokeReward(episode_.reward, state.sand.map(), end.map(), state.task->goal).total());
+  const auto [strokes, reward] = TryStrokes(world_, episode_, state, candidates);
   std::vector<size_t> order(candidates.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::ranges::stable_sort(order, std::greater{}, [&](size_t i) { return reward[i]; });
   for (const size_t i : order) {  // best first, so that few meet the gate
     const bool full = std::ssize(advice.reward) == config_.keep;
     if (full && reward[i] <= advice.reward.back()) break;
-    if (world_.gate && !world_.gate->Check(strokes[i], sensed, GateSampling::kCoarse).accepted)
+    if (world_.gate && !world_.gate->Check(strokes[i], state.sensed.map(), GateSampling::kCoarse).accepted)
       continue;
     if (full) advice.reward.pop_back(), advice.action.pop_back();
     const auto at = std::ranges::upper_bound(advice.reward, reward[i], std::greater{}) -

@@ -11,6 +11,7 @@ struct NetworkConfig {
   int64_t channels = 16;  // of the finest features
   int64_t hidden = 64;
   int64_t headings = 16;
+  int64_t blocks = 0;
   bool normalize = false;
   double surplus_first = 0;
   std::vector<double> first_guess = {};
@@ -20,6 +21,7 @@ struct NetworkConfig {
           256);
     f.Add("hidden", hidden, "width of the fully connected layers", 1, 4096);
     f.Add("headings", headings, "directions of travel that the policy tells apart", 1, 64);
+    f.Add("blocks", blocks, "residual blocks that look along the sand at half the map's resolution", 0, 64);
     f.Add("normalize", normalize,
           "bring the observation's numbers to mean 0 and variance 1, as seen in training");
     f.Add(

@@ -81,6 +81,15 @@ ObservationTensors ToTensors(const ObservationBatch& batch, const ObservationSpe
           view(batch.vec, {rows, spec.vec_size()}).to(device, false, true)};
 }
 
+std::vector<Action> ActionsOf(const torch::Tensor& action) {
+  const auto rows = action.contiguous();
+  SAND_CHECK(rows.size(1) == kActionSize, rows.size(1));
+  std::vector<Action> actions(static_cast<size_t>(rows.size(0)));
+  for (size_t i = 0; i < actions.size(); ++i)
+    std::copy_n(rows.data_ptr<float>() + i * kActionSize, kActionSize, actions[i].begin());
+  return actions;
+}
+
 torch::Device SelectDevice(const std::string& name) {
   if (name == "cpu") return torch::kCPU;
   if (torch::cuda::is_available()) return torch::kCUDA;
@@ -118,6 +127,7 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
       Initialise(*layer, kHiddenGain, stream);
     Initialise(whole_mix_, kHiddenGain, stream);
     Initialise(place_head_, kPolicyGain, stream);
+    AddBlocks(config, stream);
   }
   whole_in_ = register_module("whole_in", nn::Linear(whole_inputs, hidden));
   whole_out_ = register_module("whole_out", nn::Linear(hidden, hidden));
@@ -137,6 +147,24 @@ ActorCritic::ActorCritic(const ObservationSpec& spec, int action_size, const Net
   if (config.normalize)
     normalizer_ = register_module("normalizer",
                                   std::make_shared<ObservationNormalizer>(spec.vec_size()));
+}
+
+void ActorCritic::AddBlocks(const NetworkConfig& config, RandomStream& stream) {
+  const int64_t width = config.channels;
+  for (int64_t i = 0; i < config.blocks; ++i) {
+    const int64_t dilation = int64_t{1} << (i % 3);
+    const auto name = [&](const char* layer) { return "block" + std::to_string(i) + "_" + layer; };
+    Block block;
+    block.narrow = register_module(name("narrow"), Convolution(2 * width, width, 1, 1));
+    block.look = register_module(
+        name("look"),
+        nn::Conv2d(nn::Conv2dOptions(width, width, 3).padding(dilation).dilation(dilation)));
+    block.widen = register_module(name("widen"), Convolution(width, 2 * width, 1, 1));
+    Initialise(block.narrow, kHiddenGain, stream);
+    Initialise(block.look, kHiddenGain, stream);
+    Initialise(block.widen, 0, stream);
+    blocks_.push_back(block);
+  }
 }
 
 void ActorCritic::PreferSurplus(const ObservationSpec& spec, const NetworkConfig& config) {
@@ -194,6 +222,9 @@ ActorCritic::Encoding ActorCritic::Encode(const ObservationTensors& observation)
   encoding.places = torch::relu(fine_mix_(fine) + Enlarge(middle_mix_(middle), fine) +
                                 Enlarge(coarse_mix_(coarse), fine) +
                                 whole_mix_(encoding.whole).unsqueeze(-1).unsqueeze(-1));
+  for (Block& block : blocks_)
+    encoding.places = encoding.places +
+                      block.widen(torch::relu(block.look(torch::relu(block.narrow(encoding.places)))));
   return encoding;
 }
 
@@ -361,12 +392,15 @@ ActorCritic::Terms ActorCritic::Evaluate(const ObservationTensors& observation,
     const BetaParameters all = BetaFromOutputs(rest_head_(encoding.whole));
     return {BetaLogProb(all, action), BetaEntropy(all), ValueOf(encoding)};
   }
+  const int64_t rows = encoding.whole.size(0);
+  const auto row = torch::arange(rows, action.device()).repeat_interleave(action.size(0) / rows);
   const auto bin = grid_.Bin(action.narrow(1, 0, PlaceGrid::kNumbers));
-  const auto logits = PlaceLogits(encoding, observation.map);
-  const BetaParameters numbers = NumbersAt(encoding, torch::arange(bin.size(0), bin.device()), bin);
-  return {CategoricalLogProb(logits, bin) + BetaLogProb(numbers, Offsets(action, bin)) +
+  const auto log_probability = torch::log_softmax(PlaceLogits(encoding, observation.map), -1);
+  const auto bin_entropy = -(log_probability.exp() * log_probability).sum(-1);
+  const BetaParameters numbers = NumbersAt(encoding, row, bin);
+  return {log_probability.index({row, bin}) + BetaLogProb(numbers, Offsets(action, bin)) +
               grid_.LogDensityOfOffset(),
-          CategoricalEntropy(logits) + BetaEntropy(numbers) - grid_.LogDensityOfOffset(),
+          bin_entropy.index_select(0, row) + BetaEntropy(numbers) - grid_.LogDensityOfOffset(),
           ValueOf(encoding)};
 }
 

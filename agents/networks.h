@@ -16,6 +16,7 @@
 #include "agents/observation_normalizer.h"
 #include "agents/stroke_place.h"
 #include "data/base/random.h"
+#include "env/action.h"
 #include "env/vec_env.h"
 
 namespace sandwright {
@@ -27,6 +28,9 @@ struct ObservationTensors {
 ObservationTensors ToTensors(const ObservationBatch& batch, const ObservationSpec& spec,
                              torch::Device device);
 
+// Strokes [N, 7] on the CPU.
+std::vector<Action> ActionsOf(const torch::Tensor& action);
+
 // auto: cuda where it works, else cpu. Error where cuda is asked for and is not there.
 torch::Device SelectDevice(const std::string& name);
 
@@ -36,7 +40,8 @@ class ActorCritic : public torch::nn::Module {
     torch::Tensor action, log_prob, value;  // [B, A], [B], [B] on the CPU, no gradients
   };
   struct Terms {
-    torch::Tensor log_prob, entropy, value;  // [B]
+    torch::Tensor log_prob, entropy;  // [B * draws]
+    torch::Tensor value;              // [B]
   };
 
   // Orthogonal initial weights drawn from `stream`: the policy starts near uniform over places (or
@@ -54,14 +59,18 @@ class ActorCritic : public torch::nn::Module {
   // the CPU.
   torch::Tensor Mean(const ObservationTensors& observation);
   torch::Tensor Value(const ObservationTensors& observation);
-  // For the update: how probable `action` [B, A] is, with gradients. The entropy of the Beta part
-  // is that at the given action's place, a one-sample estimate of its mean.
+  // For the update: how probable `action` [B * draws, A] is, with gradients; with a map as many consecutive
+  // rows an observation as Sample draws. The entropy of the Beta part is that at the given action's place, a
+  // one-sample estimate of its mean.
   Terms Evaluate(const ObservationTensors& observation, const torch::Tensor& action);
   // Where config.normalize asks for it: takes the observation's numbers into the running mean and
   // variance that everything above brings them to.
   void Observe(const ObservationTensors& observation);
 
  private:
+  // Adds residual bottlenecks (He et al., CVPR 2016) over the places, dilated by 1, 2, 4, 1, ... (Yu, Koltun,
+  // ICLR 2016): a stroke is judged along its way. Each starts as the identity.
+  void AddBlocks(const NetworkConfig& config, RandomStream& stream);
   // Lets the first policy prefer surplus sand: adds place_skip_, through which what the map shows
   // at a place goes straight into its logits.
   void PreferSurplus(const ObservationSpec& spec, const NetworkConfig& config);
@@ -95,6 +104,10 @@ class ActorCritic : public torch::nn::Module {
   torch::Tensor coordinates_;  // [1, 2, H, W]: x and y on [-1, 1]
   torch::nn::Conv2d fine_{nullptr}, middle_{nullptr}, coarse_{nullptr};
   torch::nn::Conv2d fine_mix_{nullptr}, middle_mix_{nullptr}, coarse_mix_{nullptr};
+  struct Block {
+    torch::nn::Conv2d narrow{nullptr}, look{nullptr}, widen{nullptr};
+  };
+  std::vector<Block> blocks_;
   torch::nn::Conv2d place_head_{nullptr}, place_skip_{nullptr};
   torch::nn::Linear whole_in_{nullptr}, whole_out_{nullptr}, whole_mix_{nullptr};
   torch::nn::Linear rest_hidden_{nullptr}, rest_head_{nullptr};

@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "data/base/error.h"
 
@@ -36,17 +35,14 @@ std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views,
                                      std::span<RandomStream> streams) {
   if (views.empty()) return {};
   const ObservationTensors observation = Observe(views);
-  const auto mean = network_.Mean(observation).contiguous();
-  std::vector<Action> actions(views.size());
-  std::memcpy(actions.data(), mean.data_ptr<float>(), views.size() * sizeof(Action));
+  std::vector<Action> actions = ActionsOf(network_.Mean(observation));
   for (size_t i = 0; i < views.size(); ++i) {
     if (views[i].rejected_in_a_row == 0) continue;
     const auto row = [&](const torch::Tensor& t) {
       return t.narrow(0, static_cast<int64_t>(i), 1);
     };
-    const auto drawn =
-        network_.Sample({row(observation.map), row(observation.vec)}, streams.subspan(i, 1)).action;
-    std::memcpy(actions[i].data(), drawn.data_ptr<float>(), sizeof(Action));
+    actions[i] = ActionsOf(
+        network_.Sample({row(observation.map), row(observation.vec)}, streams.subspan(i, 1)).action)[0];
   }
   return actions;
 }
@@ -54,11 +50,8 @@ std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views,
 std::vector<Action> PolicyAgent::Samples(const TaskView& view, RandomStream& stream,
                                          int64_t count) {
   if (count == 0) return {};
-  const auto drawn =
-      network_.Sample(Observe({&view, 1}), {&stream, 1}, static_cast<int>(count)).action.contiguous();
-  std::vector<Action> actions(static_cast<size_t>(count));
-  std::memcpy(actions.data(), drawn.data_ptr<float>(), actions.size() * sizeof(Action));
-  return actions;
+  return ActionsOf(
+      network_.Sample(Observe({&view, 1}), {&stream, 1}, static_cast<int>(count)).action);
 }
 
 }  // namespace sandwright

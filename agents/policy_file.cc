@@ -13,6 +13,7 @@ namespace {
 constexpr const char* kSchema = "sandwright-policy";
 constexpr const char* kVersion = "2";
 constexpr const char* kPrefix = "network.";  // of the weights; a checkpoint holds other tensors too
+constexpr const char* kBlocks = "block";
 
 nlohmann::json SpecToJson(const ObservationSpec& spec) {
   return {{"channels", spec.channels},
@@ -90,7 +91,11 @@ Policy UnpackPolicy(const Safetensors& content, const std::string& source, torch
 
 void LoadPolicyWeights(const Safetensors& content, const std::string& source,
                        ActorCritic& network) {
-  LoadWeights(content, kPrefix, source, network);
+  Safetensors whole = content, own;
+  SaveWeights(network, kPrefix, own);
+  for (const auto& [name, weights] : own.tensors)
+    if (name.starts_with(std::string(kPrefix) + kBlocks)) whole.tensors.try_emplace(name, weights);
+  LoadWeights(whole, kPrefix, source, network);
 }
 
 }  // namespace sandwright

@@ -33,7 +33,8 @@ Safetensors PackPolicy(const ActorCritic& network, const PolicyCard& card);
 // or action entries than this program's, weights of another network.
 Policy UnpackPolicy(const Safetensors& content, const std::string& source, torch::Device device);
 
-// Only the weights, into a network made alike. Throws Error naming `source` and what differs.
+// Only the weights, into a network made alike; residual blocks that the file lacks stay as they are (a new
+// network's: the identity). Throws Error naming `source` and what differs.
 void LoadPolicyWeights(const Safetensors& content, const std::string& source, ActorCritic& network);
 
 }  // namespace sandwright

@@ -120,9 +120,9 @@ class ReferenceTraining final : public Training {
 }  // namespace
 
 std::unique_ptr<Training> MakeReferenceTraining(const TrainConfig& config, const TrainRun& run) {
-  if (config.algorithm == "expert_iteration")
-    throw Error("algorithm = expert_iteration asks the sand model; reference tasks have none: allowed: "
-                "ppo, sac, tqc");
+  if (config.algorithm == "expert_iteration" || config.algorithm == "group_gradient")
+    throw Error(fmt::format("algorithm = {} asks the sand model; reference tasks have none: allowed: ppo, sac, tqc",
+                            config.algorithm));
   return std::make_unique<ReferenceTraining>(config, run);
 }
 

@@ -5,6 +5,7 @@
 
 #include "agents/evaluate.h"
 #include "agents/expert_iteration.h"
+#include "agents/group_gradient.h"
 #include "agents/policy_agent.h"
 #include "agents/ppo.h"
 #include "agents/training.h"
@@ -51,6 +52,9 @@ class SandTraining final : public Training {
     if (config.algorithm == "ppo")
       trainer_ = std::make_unique<Ppo>(env_, network_, config.ppo, config.total_steps, run.seed,
                                        device_);
+    else if (config.algorithm == "group_gradient")
+      trainer_ = std::make_unique<GroupGradient>(env_, world_, config_.env.episode, network_, config.group,
+                                                 config.total_steps, run.seed, device_);
     else
       trainer_ = std::make_unique<ExpertIteration>(env_, world_, config_.env.episode, network_,
                                                    config.expert, config.total_steps, run.seed,
@@ -129,9 +133,9 @@ class SandTraining final : public Training {
 }  // namespace
 
 std::unique_ptr<Training> MakeSandTraining(const TrainConfig& config, const TrainRun& run) {
-  if (config.algorithm != "ppo" && config.algorithm != "expert_iteration")
+  if (config.algorithm == "sac" || config.algorithm == "tqc")
     throw Error(fmt::format("algorithm = {} learns from numbers, the sand is seen as a map; allowed: "
-                            "ppo, expert_iteration, or a reference task",
+                            "ppo, expert_iteration, group_gradient, or a reference task",
                             config.algorithm));
   return std::make_unique<SandTraining>(config, run);
 }

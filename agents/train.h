@@ -7,6 +7,7 @@
 #include <string>
 
 #include "agents/expert_config.h"
+#include "agents/group_config.h"
 #include "agents/network_config.h"
 #include "agents/ppo_config.h"
 #include "agents/sac_config.h"
@@ -35,6 +36,7 @@ struct TrainConfig {
   ShapingConfig env;
   NetworkConfig network;
   ExpertConfig expert;
+  GroupConfig group;
   PpoConfig ppo;
   SacConfig sac;
   TqcConfig tqc;
@@ -45,7 +47,7 @@ struct TrainConfig {
     std::vector<std::string> tasks = ReferenceTaskNames();
     tasks.insert(tasks.begin(), "none");
     f.Add("algorithm", algorithm, "that learns; tqc reads the keys of sac as well",
-          {"ppo", "expert_iteration", "sac", "tqc"});
+          {"ppo", "expert_iteration", "group_gradient", "sac", "tqc"});
     f.Add("reference", reference, "task that trainers are compared on, in the place of the sand",
           tasks);
     f.Add("total_steps", total_steps, "strokes (steps of a reference task) to train on", 1, 1e12);
@@ -73,6 +75,7 @@ struct TrainConfig {
     f.Section("env", env);
     f.Section("network", network);
     f.Section("expert", expert);
+    f.Section("group", group);
     f.Section("ppo", ppo);
     f.Section("sac", sac);
     f.Section("tqc", tqc);

@@ -65,5 +65,17 @@ TEST(Learning, TwoThousandStrokesOfAnExpertBeatRandomOnUnseenTasks) {
   EXPECT_LT(result.policy_mm, result.start_mm);
 }
 
+TEST(Learning, GroupsOfStrokesTeachAPolicyAlone) {
+  TrainConfig config;
+  config.algorithm = "group_gradient";
+  config.total_steps = 2560;
+  config.env.num_envs = 32;
+  config.group.num_steps = 10;
+  config.group.strokes = 32;
+  const Comparison result = TrainAndCompare(config, "group");
+  EXPECT_GE(result.wins_of_50, 45);
+  EXPECT_LT(result.policy_mm, result.start_mm);
+}
+
 }  // namespace
 }  // namespace sandwright

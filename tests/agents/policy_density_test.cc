@@ -34,6 +34,9 @@ TEST(PolicyDensity, SamplesAreEvaluatedAsTheyWereDrawn) {
   EXPECT_TRUE(torch::allclose(terms.log_prob, drawn.log_prob, 1e-3, 1e-3))
       << (terms.log_prob - drawn.log_prob).abs().max();
   EXPECT_TRUE(torch::allclose(terms.value, drawn.value, 1e-5, 1e-5));
+  const auto grouped = s.network.Evaluate(s.observation, drawn.action);
+  EXPECT_TRUE(torch::allclose(grouped.log_prob, terms.log_prob, 1e-4, 1e-4));
+  EXPECT_TRUE(torch::allclose(grouped.entropy, terms.entropy, 1e-4, 1e-4));
 }
 
 TEST(PolicyDensity, DrawsOfARowDoNotDependOnTheOthers) {

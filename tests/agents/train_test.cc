@@ -42,6 +42,8 @@ TrainConfig SmallConfig() {
   config.ppo.minibatch_size = config.expert.minibatch_size = 32;
   config.expert.evaluations = 8;
   config.expert.buffer_size = 160;  // fewer than the run's states
+  config.group.num_steps = config.group.strokes = 8;
+  config.group.minibatch_size = 32;
   config.evaluate_every = 128;
   config.evaluation_tasks = 2;
   config.checkpoint_every = 128;
@@ -85,12 +87,13 @@ TEST(Train, LeavesTheWholeRunFolder) {
 }
 
 TEST(Train, ResumedEqualsUninterruptedBitForBit) {
-  for (const std::string algorithm : {"ppo", "expert_iteration"}) {
+  for (const std::string algorithm : {"ppo", "expert_iteration", "group_gradient"}) {
     const auto whole = Folder("uninterrupted"), parts = Folder("parts");
     TrainConfig config = SmallConfig();
     config.algorithm = algorithm;
     // linear would look ahead to total_steps
-    config.ppo.learning_rate_schedule = config.expert.learning_rate_schedule = "constant";
+    config.ppo.learning_rate_schedule = config.expert.learning_rate_schedule =
+        config.group.learning_rate_schedule = "constant";
     Train(config, {whole, 3, 1, false});
     TrainConfig half = config;
     half.total_steps = 128;
@@ -110,8 +113,12 @@ TEST(Train, StartsFromAPolicyThatIsThere) {
   config.initial_policy = (first / "agent.safetensors").string();
   config.total_steps = 64;
   config.ppo.learning_rate = 0;
-  Train(config, {second, 4, 1, false});
+  const auto same = Train(config, {second, 4, 1, false});
   EXPECT_EQ(WeightsOf(second / "agent.safetensors"), WeightsOf(first / "agent.safetensors"));
+  config.network.blocks = 2;  // which the file lacks: the identity until something is learnt
+  const auto deeper = Train(config, {Folder("deeper"), 4, 1, false});
+  EXPECT_EQ(deeper["validation_in_goal_mean_diff_mm"], same["validation_in_goal_mean_diff_mm"]);
+  config.network.blocks = 0;
   config.network.hidden = 9;
   EXPECT_THAT(MessageOf([&] { Train(config, {Folder("third"), 4, 1, false}); }),
               HasSubstr("agent.safetensors"));
