@@ -7,7 +7,9 @@
 #include <map>
 #include <numeric>
 
+#include "data/base/atomic_file.h"
 #include "data/base/error.h"
+#include "data/base/sha256.h"
 
 namespace sandwright {
 namespace {
@@ -49,6 +51,15 @@ nlohmann::json ByStrokes(const std::array<MeanOverTasks, 3>& means) {
   return json;
 }
 
+// Where the strokes of an agent are kept, and what they depend on beside world and model.
+KeptIn KeptOf(const KeptIn& keep, const std::string& agent, const std::string& plain, PlannerConfigs planners) {
+  KeptIn kept{keep.folder / std::filesystem::path(agent).stem(), keep.settings};
+  const auto keys = ToJson(FieldsOf(planners));
+  if (keys.contains(plain)) kept.settings["planner"] = keys[plain];
+  if (const auto policy = PolicyFileOf(plain, planners)) kept.settings["policy_sha256"] = Sha256Hex(ReadFile(*policy));
+  return kept;
+}
+
 }  // namespace
 
 MeanOverTasks MeanWithInterval(std::span<const double> values, uint64_t seed) {
@@ -75,16 +86,18 @@ nlohmann::json AgentBenchRow::ToJson() const {
 void RunAgentBench(const AgentBench& bench, const AgentOptions& options, const World& world,
                    const std::function<void(const AgentBenchRow&)>& report) {
   std::vector<std::unique_ptr<Agent>> agents;
+  std::vector<std::optional<KeptIn>> kept;
   for (const std::string& name : bench.agents) {
     AgentOptions own = options;
     const std::string plain = TakeBudget(name, own.planners);
     agents.push_back(LoadAgent(plain, own));
+    kept.push_back(bench.keep ? std::optional(KeptOf(*bench.keep, name, plain, own.planners)) : std::nullopt);
   }
   std::vector<std::array<double, 3>> first;
   for (size_t a = 0; a < agents.size(); ++a) {
-    const Evaluation played =
-        Evaluate(*agents[a], world, EpisodeConfigFor(*agents[a], bench.episode), bench.tasks,
-                 bench.seed);
+    const EpisodeConfig config = EpisodeConfigFor(*agents[a], bench.episode);
+    const Evaluation played = kept[a] ? EvaluateKept(*agents[a], world, config, bench.tasks, bench.seed, *kept[a])
+                                      : Evaluate(*agents[a], world, config, bench.tasks, bench.seed);
     if (played.stopped) return;
     AgentBenchRow row{.agent = bench.agents[a], .per_task_mm = {}};
     const double strokes = std::max(played.strokes, 1.0);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "agents/evaluate.h"
+#include "agents/kept_evaluation.h"
 #include "agents/load_agent.h"
 
 namespace sandwright {
@@ -20,6 +20,9 @@ struct AgentBench {
   std::vector<Task> tasks;
   EpisodeConfig episode = {};
   uint64_t seed = 0;
+  // Each stroke is kept in a folder of its agent below this one, and what is there is not executed again
+  // (EvaluateKept). `settings`: of the world and the model that agents plan with.
+  std::optional<KeptIn> keep = {};
 };
 
 // A mean over tasks with its 95 % interval: percentile bootstrap, tasks drawn with replacement.

@@ -13,9 +13,13 @@
 namespace sandwright {
 namespace {
 
+std::filesystem::path PolicyPath(const std::string& name_or_file) {
+  return name_or_file == "default" ? ShippedFile("models/default_policy.safetensors")
+                                   : std::filesystem::path(name_or_file);
+}
+
 std::unique_ptr<PolicyAgent> LoadPolicy(const std::string& name_or_file, const AgentOptions& options) {
-  std::filesystem::path file = name_or_file;
-  if (name_or_file == "default") file = ShippedFile("models/default_policy.safetensors");
+  const std::filesystem::path file = PolicyPath(name_or_file);
   if (file.extension() != ".safetensors")
     throw Error(fmt::format("no policy '{}'; allowed: default or a .safetensors file", name_or_file));
   const torch::Device device = SelectDevice(options.device);
@@ -43,6 +47,12 @@ std::unique_ptr<Agent> LoadAgent(const std::string& name_or_file, const AgentOpt
   if (name != "default" && !name.ends_with(".safetensors"))
     throw Error(fmt::format("no agent '{}' in this version; allowed: {}", name, kAgentNames));
   return LoadPolicy(name, options);
+}
+
+std::optional<std::filesystem::path> PolicyFileOf(const std::string& name_or_file, const PlannerConfigs& planners) {
+  if (name_or_file == "ranked") return PolicyPath(planners.ranked.policy);
+  if (name_or_file == "default" || name_or_file.ends_with(".safetensors")) return PolicyPath(name_or_file);
+  return std::nullopt;
 }
 
 }  // namespace sandwright

@@ -1,7 +1,9 @@
 // Agents by name or file.
 #pragma once
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "agents/planner_configs.h"
@@ -25,5 +27,8 @@ struct AgentOptions {
 // One of kAgentNames; `default` is the shipped policy. Throws Error that lists them for any other name,
 // and for planners' keys that do not go together.
 std::unique_ptr<Agent> LoadAgent(const std::string& name_or_file, const AgentOptions& options);
+
+// The policy file that an agent reads; none: it reads none.
+std::optional<std::filesystem::path> PolicyFileOf(const std::string& name_or_file, const PlannerConfigs& planners);
 
 }  // namespace sandwright

@@ -9,6 +9,7 @@
 #include "cli/svg_chart.h"
 #include "data/base/atomic_file.h"
 #include "data/base/progress.h"
+#include "data/base/sha256.h"
 #include "data/picture.h"
 #include "data/shipped.h"
 #include "data/stroke_dataset.h"
@@ -55,9 +56,11 @@ class BenchCommand final : public Command {
                    "agents, one or several, compared with the first; NAME@N: planner NAME with N model "
                    "evaluations a stroke")
         ->capture_default_str();
-    app.add_option("--world", world_,
-                   "sand model that the agents plan with and that executes their strokes")
-        ->capture_default_str();
+    app.add_option("--world", world_, "sand model that executes the agents' strokes")->capture_default_str();
+    app.add_option("--planner-model", planner_model_, "sand model that the agents plan with (default: --world's)");
+    app.add_option("--keep", keep_,
+                   "folder where suite agents keeps each stroke, one task after the other; the same call goes on "
+                   "where it was stopped (a stroke through grains takes half a minute)");
     app.add_option("--workcell", workcell_, "of suite arm (default: the shipped one)");
     app.add_option("--picture", picture_,
                    "speed against error on --data, or of --agents (.svg); of suite arm: its reach (.png)");
@@ -144,8 +147,10 @@ class BenchCommand final : public Command {
     if (tasks_file_.empty()) return;
     agents_.tasks = ReadTasks(tasks_file_);
     agents_.seed = seed();
-    const auto sand = LoadSandModel(world_, Sand());
-    const AgentOptions options{*sand, planners_, agents_.episode.speed_mps, "cpu", nullptr};
+    if (planner_model_.empty()) planner_model_ = world_;
+    const auto sand = LoadSandModel(world_, Sand()), model = LoadSandModel(planner_model_, Sand());
+    if (!keep_.empty()) agents_.keep = KeptIn{keep_, SandSettings()};
+    const AgentOptions options{*model, planners_, agents_.episode.speed_mps, "cpu", nullptr};
     fmt::print("{:20} {:>8} {:>9} {:>22} {:>22} {:>22}  above {} after 10\n", "agent", "calls", "ms",
                "mm after 5", "after 10", "after 20", agents_.agents.front());
     RunAgentBench(agents_, options, {*sand, nullptr, threads()}, [this](const AgentBenchRow& row) {
@@ -159,9 +164,22 @@ class BenchCommand final : public Command {
       DrawAgent(row.agent, row.ms_per_stroke, row.error_mm[1].mean);
       nlohmann::json json = row.ToJson();
       json["world"] = world_;
+      json["planner_model"] = planner_model_;
       json["tasks"] = agents_.tasks.size();
       Keep("agents", std::move(json));
     });
+  }
+
+  // What strokes depend on, without what changes only how fast they are.
+  nlohmann::json SandSettings() const {
+    SandModelConfig sand = Sand();
+    sand.heightfield.threads = sand.dem.ranks = 1;
+    sand.dem.cache.clear();
+    nlohmann::json json = {{"world", world_}, {"planner_model", planner_model_}, {"sand", ToJson(FieldsOf(sand))}};
+    for (const std::string& name : {world_, planner_model_}) {
+      if (const auto file = ModelFileOf(name)) json["sha256"][name] = Sha256Hex(ReadFile(*file));
+    }
+    return json;
   }
 
   void DrawAgent(const std::string& name, double ms, double error_mm) {
@@ -329,7 +347,7 @@ class BenchCommand final : public Command {
   std::optional<double> floor_mm_;
   std::vector<SandBenchRow> strokes_rows_;
   SandBench bench_;
-  std::string tasks_file_, world_ = "heightfield";
+  std::string tasks_file_, world_ = "heightfield", planner_model_, keep_;
   AgentBench agents_;
   PlannerConfigs planners_;
   Chart agents_chart_{.x_label = "choosing a stroke [ms] (0.1 and less at the left)",

@@ -131,6 +131,21 @@ EpisodeState StartEpisode(const SandModel& model, std::shared_ptr<const Task> ta
   return episode;
 }
 
+EpisodeState ContinueEpisode(std::shared_ptr<const Task> task, const EpisodeConfig& config, SandState bed,
+                             std::vector<double> goal_error_m, RandomStream noise) {
+  SAND_CHECK(!goal_error_m.empty());
+  SandState sensed = Look(bed, config.sensor, noise);
+  EpisodeState episode{.task = task,
+                       .region = RegionOf(*task, config),
+                       .sand = std::move(bed),
+                       .sensed = std::move(sensed),
+                       .noise = noise,
+                       .budget_used = static_cast<int>(goal_error_m.size()) - 1,
+                       .goal_error_m = std::move(goal_error_m)};
+  if (episode.strokes() > 0) EndIfDue(config, episode);
+  return episode;
+}
+
 TaskView View(const EpisodeState& episode, const SafetyGate* gate) {
   return {.sensed = episode.sensed.map(),
           .goal = episode.task->goal,

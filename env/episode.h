@@ -93,6 +93,11 @@ Region RegionOf(const Task& task, const EpisodeConfig& config);
 EpisodeState StartEpisode(const SandModel& model, std::shared_ptr<const Task> task, const EpisodeConfig& config,
                           RandomStream noise, int budget_used = 0);
 
+// An episode that goes on after strokes of its own, all of them accepted: `bed` is what they left, `goal_error_m` holds
+// the error at the start and after each. `noise` is of the look that comes now. The moved volume starts at 0.
+EpisodeState ContinueEpisode(std::shared_ptr<const Task> task, const EpisodeConfig& config, SandState bed,
+                             std::vector<double> goal_error_m, RandomStream noise);
+
 // Points into `episode`.
 TaskView View(const EpisodeState& episode, const SafetyGate* gate = nullptr);
 

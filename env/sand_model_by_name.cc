@@ -21,6 +21,13 @@ std::unique_ptr<SandModel> MixtureOf(const std::string& names, const SandModelCo
 
 }  // namespace
 
+std::optional<std::filesystem::path> ModelFileOf(const std::string& name_or_file) {
+  if (name_or_file == "default" || name_or_file == "fast")
+    return ShippedFile("models/" + name_or_file + "_surrogate.safetensors");
+  if (name_or_file.ends_with(".safetensors")) return name_or_file;
+  return std::nullopt;
+}
+
 std::unique_ptr<SandModel> SandModelByName(const std::string& name_or_file,
                                            const SandModelConfig& config) {
   if (name_or_file.find(',') != std::string::npos) return MixtureOf(name_or_file, config);
@@ -35,12 +42,8 @@ std::unique_ptr<SandModel> SandModelByName(const std::string& name_or_file,
   if (name_or_file == "heightfield") return std::make_unique<Heightfield>(config.heightfield);
   if (name_or_file == "none") return std::make_unique<StillSand>(config.heightfield.blade);
   if (name_or_file == "dem") return std::make_unique<Dem>(config.dem);
-  if (name_or_file == "default" || name_or_file == "fast")
-    return std::make_unique<Surrogate>(
-        ReadSurrogate(ShippedFile("models/" + name_or_file + "_surrogate.safetensors"),
-                      config.heightfield.threads));
-  if (name_or_file.ends_with(".safetensors"))
-    return std::make_unique<Surrogate>(ReadSurrogate(name_or_file, config.heightfield.threads));
+  if (const auto file = ModelFileOf(name_or_file))
+    return std::make_unique<Surrogate>(ReadSurrogate(*file, config.heightfield.threads));
   throw Error("unknown sand model '" + name_or_file +
               "'; allowed: heightfield, dem, none, default, fast, or a .safetensors file from fit");
 }

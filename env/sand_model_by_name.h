@@ -1,7 +1,9 @@
 // A sand model by the name or file that a user gives, of those that predict without torch.
 #pragma once
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "env/dem_config.h"
@@ -28,5 +30,8 @@ struct SandModelConfig {
 // `config.random` asks for them. Throws Error for any other name.
 std::unique_ptr<SandModel> SandModelByName(const std::string& name_or_file,
                                            const SandModelConfig& config);
+
+// The file of a surrogate by that name; none: the model has no file.
+std::optional<std::filesystem::path> ModelFileOf(const std::string& name_or_file);
 
 }  // namespace sandwright
