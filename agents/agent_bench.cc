@@ -99,7 +99,7 @@ void RunAgentBench(const AgentBench& bench, const AgentOptions& options, const W
     const Evaluation played = kept[a] ? EvaluateKept(*agents[a], world, config, bench.tasks, bench.seed, *kept[a])
                                       : Evaluate(*agents[a], world, config, bench.tasks, bench.seed);
     if (played.stopped) return;
-    AgentBenchRow row{.agent = bench.agents[a], .per_task_mm = {}};
+    AgentBenchRow row{.agent = bench.agents[a], .per_task_mm = {}, .end = played.end};
     const double strokes = std::max(played.strokes, 1.0);
     row.model_evaluations_per_stroke = played.model_evaluations / strokes;
     row.ms_per_stroke = 1e3 * played.agent_s / strokes;

@@ -39,6 +39,7 @@ struct AgentBenchRow {
   std::array<MeanOverTasks, 3> error_mm = {};
   std::array<MeanOverTasks, 3> above_first_mm = {};  // task by task: the error less the first agent's
   std::vector<std::array<double, 3>> per_task_mm;
+  std::vector<HeightMap> end;  // of each task
   nlohmann::json ToJson() const;
 };
 

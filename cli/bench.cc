@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "agents/agent_bench.h"
+#include "agents/agent_strip.h"
 #include "cli/command.h"
 #include "cli/svg_chart.h"
 #include "data/base/atomic_file.h"
@@ -64,6 +65,8 @@ class BenchCommand final : public Command {
     app.add_option("--workcell", workcell_, "of suite arm (default: the shipped one)");
     app.add_option("--picture", picture_,
                    "speed against error on --data, or of --agents (.svg); of suite arm: its reach (.png)");
+    app.add_option("--strip", strip_, "one task by each of --agents (.png)")->needs("--tasks");
+    app.add_option("--strip-task", strip_task_, "which of --tasks, from 0")->check(CLI::NonNegativeNumber);
     app.add_option("--with", earlier_,
                    "results of earlier runs (.json): their rows on recorded strokes, or of agents, join "
                    "the picture and the result, for what is slow to measure")
@@ -147,13 +150,17 @@ class BenchCommand final : public Command {
     if (tasks_file_.empty()) return;
     agents_.tasks = ReadTasks(tasks_file_);
     agents_.seed = seed();
+    if (strip_task_ >= agents_.tasks.size())
+      throw Error(fmt::format("--strip-task {}: {} has {} tasks; allowed: 0..{}", strip_task_, tasks_file_,
+                              agents_.tasks.size(), agents_.tasks.size() - 1));
+    std::vector<AgentEnd> ends;
     if (planner_model_.empty()) planner_model_ = world_;
     const auto sand = LoadSandModel(world_, Sand()), model = LoadSandModel(planner_model_, Sand());
     if (!keep_.empty()) agents_.keep = KeptIn{keep_, SandSettings()};
     const AgentOptions options{*model, planners_, agents_.episode.speed_mps, "cpu", nullptr};
     fmt::print("{:20} {:>8} {:>9} {:>22} {:>22} {:>22}  above {} after 10\n", "agent", "calls", "ms",
                "mm after 5", "after 10", "after 20", agents_.agents.front());
-    RunAgentBench(agents_, options, {*sand, nullptr, threads()}, [this](const AgentBenchRow& row) {
+    RunAgentBench(agents_, options, {*sand, nullptr, threads()}, [&](const AgentBenchRow& row) {
       const auto cell = [](const MeanOverTasks& m) {
         return fmt::format("{:.2f} [{:.2f}, {:.2f}]", m.mean, m.low95, m.high95);
       };
@@ -167,7 +174,9 @@ class BenchCommand final : public Command {
       json["planner_model"] = planner_model_;
       json["tasks"] = agents_.tasks.size();
       Keep("agents", std::move(json));
+      ends.push_back({row.agent, row.end[strip_task_]});
     });
+    if (!strip_.empty()) WritePicture(DrawAgentStrip(agents_.tasks[strip_task_], ends), strip_);
   }
 
   // What strokes depend on, without what changes only how fast they are.
@@ -343,7 +352,8 @@ class BenchCommand final : public Command {
   std::vector<std::string> data_;
   std::optional<int64_t> strokes_;
   std::vector<std::string> earlier_;
-  std::string picture_, workcell_;
+  std::string picture_, strip_, workcell_;
+  size_t strip_task_ = 0;
   std::optional<double> floor_mm_;
   std::vector<SandBenchRow> strokes_rows_;
   SandBench bench_;
