@@ -1,5 +1,6 @@
 #include "agents/flat_adam.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -27,6 +28,17 @@ FlatAdam::FlatAdam(const std::vector<torch::Tensor>& parameters, double epsilon)
     p.mutable_grad() = gradient_.narrow(0, offset, p.numel()).view(p.sizes());
     offset += p.numel();
   }
+}
+
+void FlatAdam::SumGradients(Collective& ranks, std::span<float> riders) {
+  if (ranks.size() == 1) return;
+  const auto mine = gradient_.to(torch::kCPU);
+  const auto count = static_cast<size_t>(mine.numel());
+  message_.assign(mine.data_ptr<float>(), mine.data_ptr<float>() + count);
+  message_.insert(message_.end(), riders.begin(), riders.end());
+  ranks.Sum(message_);
+  gradient_.copy_(torch::from_blob(message_.data(), {mine.numel()}));
+  std::copy_n(message_.begin() + mine.numel(), riders.size(), riders.begin());
 }
 
 double FlatAdam::ClipGradients(double limit) {

@@ -5,9 +5,11 @@
 
 #include <torch/torch.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
+#include "agents/collective.h"
 #include "env/safetensors.h"
 
 namespace sandwright {
@@ -18,6 +20,8 @@ class FlatAdam {
   FlatAdam(const std::vector<torch::Tensor>& parameters, double epsilon);
 
   void ZeroGradients() { gradient_.zero_(); }
+  // The gradient and `riders`, which save a message of their own, become their sums over all ranks.
+  void SumGradients(Collective& ranks, std::span<float> riders);
   // Scales the gradient so that its 2-norm is at most `limit`; returns the norm before.
   double ClipGradients(double limit);
   void Step(double learning_rate);
@@ -31,6 +35,7 @@ class FlatAdam {
   double epsilon_;
   int64_t steps_ = 0;
   std::vector<torch::Tensor> parameters_;
+  std::vector<float> message_;
   torch::Tensor values_, gradient_, first_moment_, second_moment_;  // [P]
 };
 

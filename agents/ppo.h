@@ -1,11 +1,15 @@
 // Proximal policy optimisation (Schulman et al., arXiv 1707.06347) with generalised advantage
-// estimation (Schulman et al., ICLR 2016) over a batch of environments.
+// estimation (Schulman et al., ICLR 2016) over a batch of environments, which may be spread over
+// several ranks: all hold the same parameters and each differentiates the rows of its environments.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "agents/advantages.h"
+#include "agents/collective.h"
 #include "agents/flat_adam.h"
 #include "agents/networks.h"
 #include "agents/ppo_config.h"
@@ -13,21 +17,6 @@
 #include "agents/trainer.h"
 
 namespace sandwright {
-
-// Advantages and lambda-returns of T steps of N environments, all [T * N], step-major.
-struct Advantages {
-  std::vector<float> advantage, value_target;
-};
-// `next_value` is V(s_{t+1}): 0 where the episode terminated, the value of the episode's *final*
-// observation where it was truncated. `episode_end` (either) cuts the sum over later steps.
-Advantages EstimateAdvantages(std::span<const float> reward, std::span<const float> value,
-                              std::span<const float> next_value,
-                              std::span<const uint8_t> episode_end, int num_envs, double gamma,
-                              double lambda);
-
-// Of mean 0 and deviation 1; where their deviation is below `floor` they are divided by the floor
-// instead, so that a critic's noise is not enlarged to a signal. [B] to [B].
-torch::Tensor NormalizedAdvantages(const torch::Tensor& advantage, double floor);
 
 // What one update did.
 struct PpoReport {
@@ -41,11 +30,12 @@ struct PpoReport {
 
 class Ppo final : public Trainer {
  public:
-  // `env` and `network` must outlive it. The seed fixes action noise, shuffling and episodes.
+  // `env`, `network` and `ranks` must outlive it. The seed fixes action noise, shuffling and episodes.
+  // `env` has as many rows on every rank, those behind the rows of the ranks before.
   Ppo(VecEnv& env, ActorCritic& network, const PpoConfig& config, int64_t total_steps,
-      uint64_t seed, torch::Device device);
+      uint64_t seed, torch::Device device, Collective& ranks = Alone());
 
-  // One rollout of num_steps * num_envs steps, then the epochs over it.
+  // One rollout of num_steps steps of all ranks' environments, then the epochs over it.
   PpoReport Update();
   // An update's report by tag: train/..., time/fps, time/rollout_s, time/update_s and EpisodeScalars.
   std::map<std::string, double> Advance() override;
@@ -58,7 +48,7 @@ class Ppo final : public Trainer {
   const torch::nn::Module& network() const override { return network_; }
 
  private:
-  struct Rollout {
+  struct Rollout {  // of this rank's environments
     ObservationTensors observation;         // [T * N, ...]
     torch::Tensor action, log_prob, value;  // [T * N, A], [T * N], [T * N]
     torch::Tensor advantage, value_target;  // [T * N]
@@ -66,11 +56,28 @@ class Ppo final : public Trainer {
     // What `choose` makes of every tensor.
     Rollout Map(const std::function<torch::Tensor(const torch::Tensor&)>& choose) const;
   };
-  Rollout Collect(PpoReport& report);
-  // One gradient step on a minibatch; returns the KL estimate.
-  double Step(const Rollout& rows, PpoReport& report);
-  torch::Tensor Permutation(int64_t count);
+  struct Collected {
+    Rollout rollout;
+    torch::Tensor advantage;  // of all ranks' environments [T * ranks * N]
+  };
+  Collected Collect(PpoReport& report);
+  // The epochs; returns how many gradient steps they were.
+  int64_t Learn(const Collected& collected, PpoReport& report);
+  // One gradient step on a minibatch, of which `rows` are this rank's `share`, with advantages that
+  // are normalised; returns the KL estimate.
+  double Step(const Rollout& rows, double share, PpoReport& report);
+  // The gradient of the loss, times `share`, and the loss's terms as they are reported.
+  std::array<float, 5> Differentiate(const Rollout& rows, double share, double clip);
+  std::vector<int64_t> Permutation(int64_t count);
+  // Takes in the rewards of all ranks' environments.
+  void ObserveReturns(std::span<const float> reward, std::span<const uint8_t> ends);
+  // What happened in the other ranks' environments, and where their noise goes on from.
+  void ShareEpisodes(PpoReport& report);
+  // The numbers [T * N, V] of all ranks' environments.
+  torch::Tensor OfAllRanks(const torch::Tensor& numbers);
+  std::span<RandomStream> OwnStreams();
 
+  Collective& ranks_;
   VecEnv& env_;
   ActorCritic& network_;
   PpoConfig config_;
@@ -78,7 +85,7 @@ class Ppo final : public Trainer {
   uint64_t seed_;
   torch::Device device_;
   FlatAdam optimizer_;
-  std::vector<RandomStream> action_streams_;  // one an environment
+  std::vector<RandomStream> action_streams_;  // one an environment of all ranks
   RandomStream shuffle_stream_;
   double adapted_rate_ = config_.learning_rate;  // of the adaptive schedule
   ReturnScaler return_scaler_;

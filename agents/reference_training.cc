@@ -20,14 +20,15 @@ class ReferenceTraining final : public Training {
   ReferenceTraining(const TrainConfig& config, const TrainRun& run)
       : config_(config),
         run_(run),
-        env_(config.reference, static_cast<int>(config.env.num_envs), run.threads) {
+        env_(config.reference, static_cast<int>(config.env.num_envs) / run.ranks->size(), run.threads,
+             static_cast<uint64_t>(config.env.num_envs / run.ranks->size() * run.ranks->rank())) {
     const torch::Device device = SelectDevice(config.device);
     if (config.algorithm == "ppo") {
       RandomStream initial(run.seed, StreamId("initial weights"));
       network_ = std::make_unique<ActorCritic>(env_.observation_spec(), env_.action_size(),
                                                config.network, initial, env_.choices());
       trainer_ = std::make_unique<Ppo>(env_, *network_, config.ppo, config.total_steps, run.seed,
-                                       device);
+                                       device, *run.ranks);
     } else {
       CriticRule rule =
           config.algorithm == "tqc" ? TruncatedQuantileCritics(config.tqc) : TwinCritics();

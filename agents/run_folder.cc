@@ -11,6 +11,10 @@ namespace {
 
 constexpr size_t kKeptCheckpoints = 3;
 
+std::filesystem::path CheckpointFile(int64_t steps, const std::filesystem::path& folder) {
+  return folder / "checkpoints" / fmt::format("{:012}.safetensors", steps);
+}
+
 std::vector<std::filesystem::path> Checkpoints(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   std::error_code missing;
@@ -32,9 +36,13 @@ void MakeRunFolder(const std::filesystem::path& folder) {
 
 void WriteCheckpoint(const Safetensors& content, int64_t steps,
                      const std::filesystem::path& folder) {
-  WriteSafetensors(content, folder / "checkpoints" / fmt::format("{:012}.safetensors", steps));
+  WriteSafetensors(content, CheckpointFile(steps, folder));
   const auto files = Checkpoints(folder);
   for (size_t i = 0; i + kKeptCheckpoints < files.size(); ++i) std::filesystem::remove(files[i]);
+}
+
+bool HasCheckpoint(int64_t steps, const std::filesystem::path& folder) {
+  return std::filesystem::exists(CheckpointFile(steps, folder));
 }
 
 std::filesystem::path LastCheckpoint(const std::filesystem::path& folder) {

@@ -34,6 +34,15 @@ TaskSource TrainingTasks(const TrainConfig& config) {
                                    : TasksFrom(ReadTasks(config.tasks_file));
 }
 
+ShapingConfig ShareOf(ShapingConfig config, const Collective& ranks) {
+  config.num_envs /= ranks.size();
+  return config;
+}
+
+uint64_t FirstRow(const ShapingConfig& config, const Collective& ranks) {
+  return static_cast<uint64_t>(config.num_envs / ranks.size() * ranks.rank());
+}
+
 class SandTraining final : public Training {
  public:
   SandTraining(const TrainConfig& config, const TrainRun& run)
@@ -43,7 +52,8 @@ class SandTraining final : public Training {
         sand_(LoadSandModel(config.model, config.sand)),
         gate_(LoadGate(config.workcell)),
         world_{*sand_, gate_.get(), run.threads},
-        env_(config.env, world_, TrainingTasks(config)),
+        env_(ShareOf(config.env, *run.ranks), world_, TrainingTasks(config), Autoreset::kSameStep,
+             FirstRow(config.env, *run.ranks)),
         initial_(run.seed, StreamId("initial weights")),
         network_(env_.observation_spec(), env_.action_size(), config.network, initial_),
         validation_(ValidationTasks(config, run.seed)) {
@@ -51,7 +61,7 @@ class SandTraining final : public Training {
       LoadPolicyWeights(ReadSafetensors(config.initial_policy), config.initial_policy, network_);
     if (config.algorithm == "ppo")
       trainer_ = std::make_unique<Ppo>(env_, network_, config.ppo, config.total_steps, run.seed,
-                                       device_);
+                                       device_, *run.ranks);
     else if (config.algorithm == "group_gradient")
       trainer_ = std::make_unique<GroupGradient>(env_, world_, config_.env.episode, network_, config.group,
                                                  config.total_steps, run.seed, device_);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "agents/collective.h"
 #include "agents/expert_config.h"
 #include "agents/group_config.h"
 #include "agents/network_config.h"
@@ -31,6 +32,7 @@ struct TrainConfig {
   int64_t evaluate_every = 10240;
   int64_t evaluation_tasks = 20;
   int64_t checkpoint_every = 10240;
+  double lost_rank_after_s = 300;
   SandModelConfig sand;
   TaskConfig task;
   ShapingConfig env;
@@ -70,6 +72,8 @@ struct TrainConfig {
           10000);
     f.Add("checkpoint_every", checkpoint_every, "strokes between checkpoints; 0: at the end only",
           0, 1e12);
+    f.Add("lost_rank_after_s", lost_rank_after_s,
+          "of a run on several machines: how long a rank that does not answer is waited for [s]", 1, 1e6);
     sand.Fields(f);
     f.Section("task", task);
     f.Section("env", env);
@@ -89,12 +93,17 @@ struct TrainRun {
   int threads = 1;      // of the environments; results do not depend on it
   bool resume = false;  // continue from the folder's last checkpoint; `seed` is taken from there
   RunStatus* status = nullptr;  // told how it goes; none: nobody watches
+  Collective* ranks = &Alone();  // env.num_envs, a multiple of their number, are spread over them
 };
 
 // Leaves in the folder: config.yaml, checkpoints/, best.safetensors (the best in
 // evaluations), agent.safetensors (the end), progress.csv, TensorBoard events. Ctrl-C: writes a
 // checkpoint, then throws Error (kInterrupted). A resumed run repeats an uninterrupted one bit for
 // bit where it was resumed at a regular checkpoint, of which there is one before the first step. Returns what `train --json` shows.
+//
+// On several ranks: the folder is the leader's, and a checkpoint of the last complete update is left
+// there where a rank is lost, differs from the others, or stops; then it throws Error, which the
+// leader alone logs where all know of it.
 nlohmann::json Train(TrainConfig config, TrainRun run);
 
 }  // namespace sandwright

@@ -32,6 +32,21 @@ std::map<std::string, double> EpisodeScalars(std::span<const EpisodeSummary> fin
   return scalars;
 }
 
+nlohmann::json EpisodesToJson(std::span<const EpisodeSummary> episodes) {
+  auto json = nlohmann::json::array();
+  for (const auto& [episode_return, length, metrics] : episodes)
+    json.push_back({episode_return, length, metrics});
+  return json;
+}
+
+std::vector<EpisodeSummary> EpisodesFromJson(const nlohmann::json& json) {
+  std::vector<EpisodeSummary> episodes;
+  for (const auto& episode : json)
+    episodes.push_back({episode[0].get<double>(), episode[1].get<int>(),
+                        episode[2].get<std::map<std::string, double>>()});
+  return episodes;
+}
+
 void CheckFinite(const StepBatch& step) {
   const auto finite = [](float value) { return std::isfinite(value); };
   SAND_CHECK(std::ranges::all_of(step.reward, finite), "the environment gave a reward that is NaN");
@@ -59,7 +74,9 @@ double ShareLeft(const std::string& schedule, int64_t steps, int64_t total_steps
 
 nlohmann::json StreamToJson(const RandomStream& stream) {
   const auto& s = stream.state();
-  return {{"key", s.key}, {"counter", s.counter}, {"block", s.block}, {"used", s.used}};
+  // A block that is used up tells nothing, and before the first draw it is whatever memory held.
+  const auto block = s.used == s.block.size() ? decltype(s.block){} : s.block;
+  return {{"key", s.key}, {"counter", s.counter}, {"block", block}, {"used", s.used}};
 }
 
 RandomStream StreamFromJson(const nlohmann::json& json) {

@@ -42,6 +42,10 @@ class Trainer {
 // episodes; none where there are none.
 std::map<std::string, double> EpisodeScalars(std::span<const EpisodeSummary> finished);
 
+// To tell another rank of them.
+nlohmann::json EpisodesToJson(std::span<const EpisodeSummary> episodes);
+std::vector<EpisodeSummary> EpisodesFromJson(const nlohmann::json& json);
+
 // Throws Error (a bug of the environment) where a reward or an observation is not finite.
 void CheckFinite(const StepBatch& step);
 

@@ -47,7 +47,7 @@ nlohmann::json Command::WithRun(nlohmann::json result) const {
 }
 
 void Command::WriteResult(const nlohmann::json& result) const {
-  if (!json_file_.empty()) WriteFileAtomically(json_file_, WithRun(result).dump(2) + "\n");
+  if (!json_file_.empty() && !silent_) WriteFileAtomically(json_file_, WithRun(result).dump(2) + "\n");
 }
 
 RunStatus* Command::WatchFolder(const std::string& folder) {
@@ -61,11 +61,12 @@ RunStatus* Command::WatchFile(const std::string& file) {
 }
 
 void Command::Say(const std::string& outcome) {
-  std::printf("%s\n", outcome.c_str());
+  if (!silent_) std::printf("%s\n", outcome.c_str());
   outcome_ = outcome;
 }
 
 void Command::Finish(int exit_code, const std::string& fault) {
+  if (silent_) return;
   const RunState state = exit_code == 0     ? RunState::kDone
                          : exit_code == 130 ? RunState::kStopped
                          : exit_code == 3   ? RunState::kRefused

@@ -60,6 +60,8 @@ class Command {
   RunStatus* WatchFile(const std::string& file);
   // The outcome in a line, on standard output and for whoever is told of the end.
   void Say(const std::string& outcome);
+  // From here on another process speaks for this one: nothing is said, written or notified.
+  void LeaveItToAnother() { silent_ = true; }
   // The resolved configuration of this run.
   nlohmann::json ResolvedConfig() const;
 
@@ -70,6 +72,7 @@ class Command {
   std::unique_ptr<Watch> watch_;
   uint64_t seed_ = 0;
   int threads_ = 0;
+  bool silent_ = false;
 };
 
 // Registered in cli/main.cc, each defined in cli/<name>.cc.

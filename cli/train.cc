@@ -1,4 +1,5 @@
 // sandwright train: learns to shape sand, or a reference task, headless, into a run folder.
+#include "agents/join_ranks.h"
 #include "agents/train.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -32,18 +33,23 @@ class TrainCommand final : public Command {
     if (!resume_.empty() && !config_file().empty())
       throw Error(
           "--resume takes the run's own configuration; change keys with key=value, not --config");
-    if (!out_.empty() && std::filesystem::exists(std::filesystem::path(out_) / "config.yaml"))
-      throw Error(fmt::format(
-          "--out {}: there is a run already; continue it with --resume, or name another folder",
-          out_));
+    const auto ranks = JoinRanks(config_.lost_rank_after_s);
+    if (!ranks->leads()) LeaveItToAnother();
+    AllOrNone(*ranks, [&] {
+      if (ranks->leads() && !out_.empty() &&
+          std::filesystem::exists(std::filesystem::path(out_) / "config.yaml"))
+        throw Error(fmt::format(
+            "--out {}: there is a run already; continue it with --resume, or name another folder",
+            out_));
+    });
     const std::string folder = out_.empty() ? resume_ : out_;
-    const auto result =
-        Train(config_,
-              {.folder = folder,
-               .seed = seed(),
-               .threads = threads(),
-               .resume = !resume_.empty(),
-               .status = WatchFolder(folder)});
+    const auto result = Train(config_, {.folder = folder,
+                                        .seed = seed(),
+                                        .threads = threads(),
+                                        .resume = !resume_.empty(),
+                                        .status = ranks->leads() ? WatchFolder(folder) : nullptr,
+                                        .ranks = ranks.get()});
+    ranks->Leave();
     Say(fmt::format("{} {} in {:.0f} s{}: {}", result["steps"].get<int64_t>(),
                     config_.OnSand() ? "strokes" : "steps", result["seconds"].get<double>(),
                     Outcome(result), folder));

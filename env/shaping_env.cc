@@ -22,11 +22,12 @@ TaskSource TasksFrom(const TaskConfig& config) {
 }
 
 ShapingEnv::ShapingEnv(const ShapingConfig& config, const World& world, TaskSource tasks,
-                       Autoreset autoreset)
+                       Autoreset autoreset, uint64_t first_row)
     : config_(config),
       world_(world),
       tasks_(std::move(tasks)),
       autoreset_(autoreset),
+      first_row_(first_row),
       spec_(SpecOf(config.observation)) {
   Reset(0);
 }
@@ -64,7 +65,7 @@ ObservationBatch ShapingEnv::Observe() const {
 ObservationBatch ShapingEnv::Reset(uint64_t seed) {
   const auto n = static_cast<size_t>(num_envs());
   std::vector<State::Source> sources;
-  for (size_t i = 0; i < n; ++i) sources.push_back({seed, i, 0});
+  for (size_t i = 0; i < n; ++i) sources.push_back({seed, first_row_ + i, 0});
   std::vector<std::optional<EpisodeState>> fresh(n);
   ParallelFor(num_envs(), world_.threads, [&](int index) {
     const auto i = static_cast<size_t>(index);

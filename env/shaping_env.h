@@ -55,9 +55,9 @@ class ShapingEnv final : public VecEnv {
     std::vector<Source> sources;         // [N]
   };
 
-  // `world` must outlive the environment.
+  // `world` must outlive the environment. Its rows are first_row and those behind it of a larger one.
   ShapingEnv(const ShapingConfig& config, const World& world, TaskSource tasks,
-             Autoreset autoreset = Autoreset::kSameStep);
+             Autoreset autoreset = Autoreset::kSameStep, uint64_t first_row = 0);
 
   int num_envs() const override { return static_cast<int>(config_.num_envs); }
   const ObservationSpec& observation_spec() const override { return spec_; }
@@ -91,6 +91,7 @@ class ShapingEnv final : public VecEnv {
   World world_;
   TaskSource tasks_;
   Autoreset autoreset_;
+  uint64_t first_row_;
   ObservationSpec spec_;
   State state_;
   std::vector<std::optional<StrokeResult>> results_;

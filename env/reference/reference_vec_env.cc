@@ -11,8 +11,9 @@
 
 namespace sandwright {
 
-ReferenceVecEnv::ReferenceVecEnv(const std::string& name, int num_envs, int threads)
-    : threads_(threads) {
+ReferenceVecEnv::ReferenceVecEnv(const std::string& name, int num_envs, int threads,
+                                 uint64_t first_row)
+    : threads_(threads), first_row_(first_row) {
   if (num_envs < 1)
     throw Error(fmt::format("{}: {} environments; allowed: 1 or more", name, num_envs));
   if (threads < 1) throw Error(fmt::format("{}: {} threads; allowed: 1 or more", name, threads));
@@ -37,7 +38,7 @@ ObservationBatch ReferenceVecEnv::Reset(uint64_t seed) {
   const auto size = static_cast<size_t>(observation_spec_.vec_size());
   ObservationBatch batch{{}, std::vector<float>(rows_.size() * size)};
   ForRows([&](size_t i) {
-    rows_[i].random = NumpyRandom(seed + i);
+    rows_[i].random = NumpyRandom(seed + first_row_ + i);
     rows_[i].episode = {};
     rows_[i].task->Reset(rows_[i].random, std::span(batch.vec).subspan(i * size, size));
   });
