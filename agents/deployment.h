@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -82,6 +83,7 @@ struct Deployment {
   bool ok = false;     // ended as it should
   double start_error_m = 0, end_error_m = 0;  // with a goal
   std::vector<DeployedStroke> strokes = {};
+  nlohmann::json outcome = {};  // CompareWithVerdict's; null: no verdict, or it did not end as it should
 
   std::string Outcome() const { return reason.empty() ? end : end + ": " + reason; }
 };

@@ -8,6 +8,7 @@
 
 #include "cli/html_page.h"
 #include "cli/svg_chart.h"
+#include "cli/verdict_files.h"
 #include "data/picture.h"
 #include "data/task.h"
 
@@ -200,6 +201,20 @@ void AddGoal(HtmlPage& page, const DemoReport& report, const Pictures& pictures)
   AddErrorOverStrokes(page, report);
 }
 
+void AddVerdict(HtmlPage& page, const DemoReport& report) {
+  if (report.verdict.is_null()) return;
+  const auto mm = [&](const char* key) { return fmt::format("{:.1f} mm", report.verdict[key].get<double>()); };
+  page.Heading("The verdict before anything moved");
+  page.Paragraph(fmt::format(
+      "The same agent on this bed in {} sand models, with a rescan after each stroke: {} expected at the end, in nine "
+      "of ten cases {} to {}; {} strokes, {:.1f} minutes of the arm.{}",
+      report.verdict["worlds"].size(), mm("expected_error_mm"), mm("low90_mm"), mm("high90_mm"),
+      report.verdict["strokes"].get<int>(), report.verdict["arm_minutes"].get<double>(),
+      report.outcome.is_null() ? "" : " Afterwards: " + OutcomeInWords(report.outcome) + "."));
+  page.Figures({{DataImage(EncodePng(report.verdict_picture), report.verdict_picture.cols),
+                 "The bed and the expected end against the goal, and where it will be missed by more than 2 mm."}});
+}
+
 void AddScript(HtmlPage& page, const DemoReport& report) {
   page.Heading("URScript and files");
   page.Paragraph(report.urscript_note);
@@ -226,6 +241,7 @@ std::string RenderDemoReport(const DemoReport& report) {
       report.stopped ? " The run was stopped before its end; this is what was done." : ""));
   AddOutcome(page, report);
   AddScan(page, report);
+  AddVerdict(page, report);
   AddGoal(page, report, pictures);
 
   page.Heading("Stroke by stroke");

@@ -1,6 +1,7 @@
 // The demo's page: one self-contained report.html that tells a run from frame to script.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -27,6 +28,8 @@ struct DemoReport {
   Workcell cell;
   std::string model, world;   // what predicts and what executes, one sentence each
   std::vector<DemoRun> runs;  // the policy first, then its rivals
+  nlohmann::json verdict, outcome;  // before the policy's run, and how it came out; null: stopped before
+  cv::Mat verdict_picture;
   double success_error_mm = 2;
   std::optional<cv::Mat> arm;                     // rendered over the box
   std::string arm_note;                           // shown where there is no picture

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "agents/load_agent.h"
+#include "cli/verdict_files.h"
 #include "data/shipped.h"
 #include "data/task.h"
 #include "env/arm_picture.h"
@@ -111,6 +112,16 @@ DemoRun RunAgent(Agent& agent, const SandModel& model, const SafetyGate& gate,
                           });
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return run;
+}
+
+// What is to be expected of the agent, before it moves anything.
+void AddVerdict(Agent& agent, const SandModel& model, const SafetyGate& gate, const ShapingJob& job,
+                const DemoConfig& config, const SandModelConfig& sand, uint64_t seed, DemoReport& report) {
+  const Verdict verdict = MakeVerdict(agent, model, LoadWorlds(config.verdict, sand), gate, job, seed,
+                                      config.verdict, config.feasibility);
+  if (verdict.stopped) return;
+  report.verdict = ToJson(verdict, job.goal, config.verdict);
+  report.verdict_picture = DrawVerdict(verdict, job.terrain, job.goal);
 }
 
 // Joint curves end to end and how far the blade strayed sideways and in depth from its plan.
@@ -235,6 +246,10 @@ DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t se
     if (!report.runs.empty() && name == config.agent) continue;  // no rival beside itself
     const auto agent = LoadAgent(name, options);
     const bool first = report.runs.empty();
+    if (first) {
+      AddVerdict(*agent, *model, gate, job, config, model_config, seed, report);
+      timings.Mark("verdict");
+    }
     report.runs.push_back(
         RunAgent(*agent, *model, gate, job, world, config, seed, first ? &executed : nullptr));
     timings.Mark(agent->name() + ": strokes chosen, gated, executed, rescanned");
@@ -242,6 +257,8 @@ DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t se
     if (report.stopped) break;
   }
   const ShapingRun& run = report.runs.front().run;
+  if (!report.verdict.is_null() && !run.stopped)
+    report.outcome = CompareWithVerdict(report.verdict, report.goal, run.final_error_m());
   AddMotion(executed, run, report);
   AddArmPicture(report.cell, run, report.terrain, report);
   timings.Mark("picture of the arm");
@@ -254,7 +271,9 @@ DemoReport RunDemo(const std::string& frame_file, DemoConfig config, uint64_t se
 nlohmann::json DemoJson(const DemoReport& report) {
   nlohmann::json json = {{"frame", report.frame_name},
                          {"stopped", report.stopped},
-                         {"tracking_error_mm", report.tracking_error_mm}};
+                         {"tracking_error_mm", report.tracking_error_mm},
+                         {"verdict", report.verdict},
+                         {"outcome", report.outcome}};
   for (const DemoRun& run : report.runs) {
     nlohmann::json strokes = nlohmann::json::array();
     for (const ShapingStroke& stroke : run.run.strokes)

@@ -1,10 +1,11 @@
-// What the demo does: scan, goal, agents in closed loop on a simulated rig, script.
+// What the demo does: scan, goal, verdict, agents in closed loop on a simulated rig, script.
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "agents/planner_configs.h"
+#include "agents/verdict.h"
 #include "cli/demo_report.h"
 #include "data/scan.h"
 #include "env/heightfield.h"
@@ -24,6 +25,8 @@ struct DemoConfig {
   ScanConfig scan;
   HeightfieldConfig world;  // differs from the model on purpose: real sand is never the model
   SimulatedRigConfig rig;
+  VerdictConfig verdict;
+  FeasibilityConfig feasibility;
   PlannerConfigs planners;
 
   DemoConfig() {
@@ -44,6 +47,8 @@ struct DemoConfig {
     f.Section("scan", scan);
     f.Section("world", world);
     f.Section("rig", rig);
+    f.Section("verdict", verdict);
+    f.Section("feasibility", feasibility);
     planners.Fields(f);
   }
 };

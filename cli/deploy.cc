@@ -6,6 +6,7 @@
 #include "agents/load_agent.h"
 #include "cli/command.h"
 #include "cli/deploy_run.h"
+#include "cli/verdict_files.h"
 #include "data/base/error.h"
 #include "data/base/stop.h"
 
@@ -39,6 +40,7 @@ class DeployCommand final : public Command {
     app.add_option("--log", request_.log, "folder for the log: all that was done, seen and judged");
     app.add_option("--resume", resume_, "a log to go on with, beginning with a new scan");
     app.add_option("--replay", replay_, "a log to show again; nothing moves");
+    app.add_option("--verdict", request_.verdict, "of plan --verdict (JSON): the end is compared with it; with --goal");
     app.add_option("--picture", picture_, "of a preview (PNG)");
   }
   void Fields(FieldList& f) override { settings_.Fields(f), UnattendedFields(f); }
@@ -61,6 +63,7 @@ class DeployCommand final : public Command {
                                          1e3 * done.start_error_m, 1e3 * done.end_error_m);
     Say(fmt::format("{}: {} strokes{}; log: {}", done.Outcome(), done.strokes.size(),
                     request_.goal.empty() ? "" : goal, request_.log));
+    if (!done.outcome.is_null()) fmt::print("{}\n", OutcomeInWords(done.outcome));
     WriteResult(ToJson(done));
     ThrowIfStopRequested();
     return done.ok ? 0 : 3;
@@ -74,6 +77,7 @@ class DeployCommand final : public Command {
     if (plan && request_.terrain.empty())
       throw Error("--plan needs --terrain: the scan that it was sealed for");
     if (agent && request_.goal.empty()) throw Error("--agent needs --goal");
+    if (!request_.verdict.empty() && request_.goal.empty()) throw Error("--verdict needs --goal");
     if (request_.mode == "preview" && !plan) throw Error("--mode preview needs --plan");
     if (request_.mode != "preview" && request_.log.empty())
       throw Error("deploy needs --log DIR: nothing moves without a log");

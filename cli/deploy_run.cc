@@ -9,6 +9,7 @@
 #include "agents/closed_loop.h"
 #include "agents/evaluate.h"
 #include "agents/load_agent.h"
+#include "cli/verdict_files.h"
 #include "data/base/atomic_file.h"
 #include "data/base/error.h"
 #include "data/picture.h"
@@ -102,6 +103,7 @@ class DeployRun {
       throw Error(request.goal + ": the goal's grid is not the terrain's");
     if (goal_ || terrain_)
       settings_.deployment.scan.cell_size_m = (goal_ ? *goal_ : *terrain_).cell_size_m;
+    if (!request.verdict.empty()) verdict_ = ReadVerdict(request.verdict, *goal_);
     settings_.sand.heightfield.threads = request.threads;
     model_ = LoadSandModel(request.model, settings_.sand);
     job_ = {.mode = request.mode == "dry-run" ? DeployMode::kDryRun : DeployMode::kRun,
@@ -125,8 +127,11 @@ class DeployRun {
     RigLog log(request_.log, request_.resume);
     Begin(log);
     if (request_.mode == "recover") return Recover(*rig_, gate_, settings_.deployment.scan, log);
-    return Deploy(*rig_, gate_, *model_, source_, job_, settings_.deployment,
-                  request_.mode == "step" ? AskAtKeyboard : nullptr, log, status_);
+    Deployment done = Deploy(*rig_, gate_, *model_, source_, job_, settings_.deployment,
+                             request_.mode == "step" ? AskAtKeyboard : nullptr, log, status_);
+    if (!verdict_.is_null() && done.ok && job_.mode == DeployMode::kRun)
+      log.Add("outcome", done.outcome = CompareWithVerdict(verdict_, *goal_, done.end_error_m));
+    return done;
   }
 
  private:
@@ -185,6 +190,7 @@ class DeployRun {
     request_.plan = Kept(request_.plan, log, "plan.yaml");
     request_.terrain = Kept(request_.terrain, log, "terrain.h5");
     request_.goal = Kept(request_.goal, log, "goal.h5");
+    request_.verdict = Kept(request_.verdict, log, "verdict.json");
     request_.workcell = (log.folder() / "workcell.yaml").string();
     Workcell cell = gate_.workcell();
     WriteFileAtomically(request_.workcell, ToYaml(FieldsOf(cell)));
@@ -201,6 +207,7 @@ class DeployRun {
   RunStatus* status_;
   SafetyGate gate_;
   std::optional<HeightMap> terrain_, goal_;
+  nlohmann::json verdict_;  // null: none
   std::unique_ptr<SandModel> model_, world_;
   std::unique_ptr<Agent> agent_;
   std::unique_ptr<Rig> rig_;
@@ -216,7 +223,7 @@ class DeployRun {
 nlohmann::json DeployRequest::ToJson() const {
   return {{"arm", arm},     {"plan", plan},         {"terrain", terrain},
           {"agent", agent}, {"goal", goal},         {"model", model},
-          {"world", world}, {"workcell", workcell}, {"mode", mode},
+          {"world", world}, {"workcell", workcell}, {"mode", mode}, {"verdict", verdict},
           {"max_strokes", max_strokes}, {"seed", seed}};
 }
 
@@ -235,6 +242,7 @@ DeployRequest ReadDeployRequest(const std::string& log) {
       *value = begin.at(key).get<std::string>();
     request.max_strokes = begin.at("max_strokes");
     request.seed = begin.at("seed");
+    request.verdict = begin.value("verdict", "");  // not in older logs
   } catch (const nlohmann::json::exception& e) {
     throw Error(fmt::format("{}: the first event of the log: {}", log, e.what()));
   }
@@ -293,6 +301,7 @@ nlohmann::json ToJson(const Deployment& deployment) {
           {"ok", deployment.ok},
           {"in_goal_mean_diff_start_mm", 1e3 * deployment.start_error_m},
           {"in_goal_mean_diff_mm", 1e3 * deployment.end_error_m},
+          {"verdict", deployment.outcome},
           {"strokes", strokes}};
 }
 

@@ -20,6 +20,7 @@ struct DeployRequest {
   std::string agent, goal;        // an agent and what it is to reach; with neither: random strokes
   std::string model = "heightfield", world = "heightfield", workcell;
   std::string mode = "step", confirm = "keyboard";
+  std::string verdict;            // of `plan --verdict`, that the end is compared with
   std::string log;
   bool resume = false;
   int max_strokes = 20;

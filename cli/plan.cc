@@ -7,6 +7,7 @@
 #include "agents/evaluate.h"
 #include "agents/load_agent.h"
 #include "cli/command.h"
+#include "cli/verdict_files.h"
 #include "data/base/stop.h"
 #include "data/shipped.h"
 #include "env/load_sand_model.h"
@@ -27,11 +28,16 @@ class PlanCommand final : public Command {
         ->capture_default_str();
     app.add_option("--workcell", workcell_, "workcell file (default: the shipped one)");
     app.add_option("--out", out_, "plan file to write (.yaml)")->required();
+    app.add_option("--verdict", verdict_file_,
+                   "verdict to write (.json, and a picture .png beside it): how near the agent will come with a rescan "
+                   "after each stroke, where it will miss and why, and how long the arm takes");
   }
   void Fields(FieldList& f) override {
     f.Section("episode", episode_);
     sand_.Fields(f);
     planners_.Fields(f);
+    f.Section("verdict", verdict_);
+    f.Section("goal", feasibility_);
   }
 
   int Run() override {
@@ -44,15 +50,13 @@ class PlanCommand final : public Command {
         {.model = *model, .planners = planners_, .speed_mps = episode_.speed_mps, .gate = &gate});
     const Task task{ReadHeightMap(terrain_), ReadGoal(goal_), max_strokes_};
     CheckTask(task, goal_);
-    const ShapingRun run =
-        RunClosedLoop(*agent, *model, gate,
-                      {.terrain = task.terrain,
-                       .goal = task.goal,
-                       .region = RegionOf(task, EpisodeConfigFor(*agent, episode_)),
-                       .max_strokes = max_strokes_,
-                       .speed_mps = episode_.speed_mps,
-                       .success_error_m = episode_.success_error_m},
-                      RandomStream(seed(), StreamId("plan")));
+    const ShapingJob job{.terrain = task.terrain,
+                         .goal = task.goal,
+                         .region = RegionOf(task, EpisodeConfigFor(*agent, episode_)),
+                         .max_strokes = max_strokes_,
+                         .speed_mps = episode_.speed_mps,
+                         .success_error_m = episode_.success_error_m};
+    const ShapingRun run = RunClosedLoop(*agent, *model, gate, job, RandomStream(seed(), StreamId("plan")));
     Plan plan;
     nlohmann::json strokes = nlohmann::json::array();
     for (const ShapingStroke& stroke : run.strokes) {
@@ -76,16 +80,29 @@ class PlanCommand final : public Command {
     fmt::print("{} strokes ({} rejected), goal error {:.2f} -> {:.2f} mm as predicted by {}: {}\n",
                plan.strokes.size(), run.rejected(), 1e3 * run.start_error_m,
                1e3 * run.final_error_m(), model->name(), out_);
+    if (!verdict_file_.empty() && !run.stopped) result["verdict"] = Judge(*agent, *model, gate, job);
     WriteResult(result);
     return run.stopped ? 130 : 0;
   }
 
  private:
-  std::string agent_, model_ = "heightfield", terrain_, goal_, workcell_, out_;
+  nlohmann::json Judge(Agent& agent, const SandModel& model, const SafetyGate& gate, const ShapingJob& job) const {
+    const Verdict verdict =
+        MakeVerdict(agent, model, LoadWorlds(verdict_, sand_), gate, job, seed(), verdict_, feasibility_);
+    ThrowIfStopRequested();
+    const nlohmann::json json = ToJson(verdict, job.goal, verdict_);
+    WriteVerdict(json, DrawVerdict(verdict, job.terrain, job.goal), verdict_file_);
+    fmt::print("verdict: {}\n", VerdictInWords(json));
+    return json;
+  }
+
+  std::string agent_, model_ = "heightfield", terrain_, goal_, workcell_, out_, verdict_file_;
   int max_strokes_ = 20;
   EpisodeConfig episode_;
   SandModelConfig sand_;
   PlannerConfigs planners_;
+  VerdictConfig verdict_;
+  FeasibilityConfig feasibility_;
 };
 
 }  // namespace

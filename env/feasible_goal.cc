@@ -58,8 +58,8 @@ double SlopeAtSide(const HeightMap& goal, int row, int column, bool along_x) {
   return std::hypot(across, sides > 0 ? along / sides : 0) / goal.cell_size_m;
 }
 
-void MeasureSlopes(const HeightMap& goal, double limit, size_t counted, Feasibility& found) {
-  std::vector<uint8_t> steep(goal.size(), 0);
+// Marks the cells at a side that is steeper than `limit`; the steepest of all sides [1].
+double MarkSteep(const HeightMap& goal, double limit, std::vector<uint8_t>& faults) {
   double steepest = 0;
   for (int row = 0; row < goal.rows; ++row) {
     for (int column = 0; column < goal.columns; ++column) {
@@ -67,12 +67,37 @@ void MeasureSlopes(const HeightMap& goal, double limit, size_t counted, Feasibil
         const double slope = SlopeAtSide(goal, row, column, along_x);
         steepest = std::max(steepest, slope);
         if (slope <= kSlopeSlack * limit) continue;
-        steep[goal.Index(row, column)] = steep[goal.Index(row + !along_x, column + along_x)] = 1;
+        faults[goal.Index(row, column)] |= kTooSteep;
+        faults[goal.Index(row + !along_x, column + along_x)] |= kTooSteep;
       }
     }
   }
-  found.steepest_deg = std::atan(steepest) / kRadian;
-  found.steep_share = static_cast<double>(std::ranges::count(steep, 1)) / static_cast<double>(counted);
+  return steepest;
+}
+
+struct Faults {
+  std::vector<uint8_t> cells;
+  double steepest = 0, narrow_worst_m = 0;
+};
+
+Faults FindFaults(const HeightMap& goal, const FeasibilityConfig& config, const ReachMap* reach) {
+  Faults found{.cells = std::vector<uint8_t>(goal.size(), 0)};
+  HeightMap wide = Continued(goal);
+  Widen(wide, config);
+  for (int row = 0; row < goal.rows; ++row) {
+    for (int column = 0; column < goal.columns; ++column) {
+      const size_t i = goal.Index(row, column);
+      if (!goal.mask[i]) continue;
+      const double changed_m = std::abs(wide.height_m[i] - goal.height_m[i]);
+      found.narrow_worst_m = std::max(found.narrow_worst_m, changed_m);
+      const double x_m = (column + 0.5) * goal.cell_size_m, y_m = (row + 0.5) * goal.cell_size_m;
+      if (changed_m > kNarrow_m) found.cells[i] |= kTooNarrow;
+      if (goal.datum == Datum::kFloor && goal.height_m[i] < 0) found.cells[i] |= kBelowFloor;
+      if (reach != nullptr && reach->At(x_m, y_m) == 0) found.cells[i] |= kOutOfReach;
+    }
+  }
+  found.steepest = MarkSteep(goal, std::tan(config.repose_deg * kRadian), found.cells);
+  return found;
 }
 
 // The smallest level shift with which max(floor, height + shift) has the terrain's volume over the mask, but for what
@@ -108,31 +133,28 @@ Feasibility JudgeGoal(const HeightMap& goal, const HeightMap& terrain, const Fea
   SAND_CHECK(goal.SameGrid(terrain) && goal.mask.size() == goal.size(), goal.rows, terrain.rows);
   const auto counted = static_cast<size_t>(std::ranges::count(goal.mask, 1));
   SAND_CHECK(counted > 0);
+  const Faults faults = FindFaults(goal, config, reach);
   Feasibility found;
-  HeightMap wide = Continued(goal);
-  Widen(wide, config);
-  size_t narrow = 0, below = 0, unreached = 0;
   double missing_m = 0;
-  for (int row = 0; row < goal.rows; ++row) {
-    for (int column = 0; column < goal.columns; ++column) {
-      const size_t i = goal.Index(row, column);
-      if (!goal.mask[i]) continue;
-      missing_m += static_cast<double>(goal.height_m[i]) - terrain.height_m[i];
-      const double changed_m = std::abs(wide.height_m[i] - goal.height_m[i]);
-      narrow += changed_m > kNarrow_m;
-      found.narrow_worst_m = std::max(found.narrow_worst_m, changed_m);
-      below += goal.datum == Datum::kFloor && goal.height_m[i] < 0;
-      const double x_m = (column + 0.5) * goal.cell_size_m, y_m = (row + 0.5) * goal.cell_size_m;
-      unreached += reach != nullptr && reach->At(x_m, y_m) == 0;
-    }
+  for (size_t i = 0; i < goal.size(); ++i) {
+    if (goal.mask[i]) missing_m += static_cast<double>(goal.height_m[i]) - terrain.height_m[i];
   }
-  const auto share = [&](size_t count) { return static_cast<double>(count) / static_cast<double>(counted); };
+  const auto share = [&](GoalFault fault) {
+    const auto cells = std::ranges::count_if(faults.cells, [fault](uint8_t bits) { return (bits & fault) != 0; });
+    return static_cast<double>(cells) / static_cast<double>(counted);
+  };
   found.volume_missing_m3 = missing_m * goal.cell_size_m * goal.cell_size_m;
-  found.narrow_share = share(narrow);
-  found.below_floor_share = share(below);
-  if (reach != nullptr) found.out_of_reach_share = share(unreached);
-  MeasureSlopes(goal, std::tan(config.repose_deg * kRadian), counted, found);
+  found.steep_share = share(kTooSteep);
+  found.steepest_deg = std::atan(faults.steepest) / kRadian;
+  found.narrow_share = share(kTooNarrow);
+  found.narrow_worst_m = faults.narrow_worst_m;
+  found.below_floor_share = share(kBelowFloor);
+  if (reach != nullptr) found.out_of_reach_share = share(kOutOfReach);
   return found;
+}
+
+std::vector<uint8_t> GoalFaults(const HeightMap& goal, const FeasibilityConfig& config, const ReachMap* reach) {
+  return FindFaults(goal, config, reach).cells;
 }
 
 HeightMap NearestFeasible(const HeightMap& goal, const HeightMap& terrain, const FeasibilityConfig& config) {

@@ -1,8 +1,10 @@
 // What sand, blade and arm can make of a goal, and the nearest goal that they can.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <vector>
 
 #include "data/base/config.h"
 #include "data/height_map.h"
@@ -38,6 +40,11 @@ struct Feasibility {
   double below_floor_share = 0;  // of the cells; datum floor only
   std::optional<double> out_of_reach_share = {};  // of the cells: the arm can start no stroke there
 };
+
+// Why a cell of a goal cannot be made; bits of one number.
+enum GoalFault : uint8_t { kOutOfReach = 1, kTooSteep = 2, kTooNarrow = 4, kBelowFloor = 8 };
+// [cells] the faults of each cell by the same rules; 0 where it does not count.
+std::vector<uint8_t> GoalFaults(const HeightMap& goal, const FeasibilityConfig& config, const ReachMap* reach);
 
 // `goal` has its mask filled and the terrain's grid. `reach`: of the gate, or none.
 Feasibility JudgeGoal(const HeightMap& goal, const HeightMap& terrain, const FeasibilityConfig& config,

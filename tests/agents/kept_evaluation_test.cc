@@ -28,15 +28,16 @@ std::vector<Task> SmallTasks(int count) {
   return tasks;
 }
 
-// Chooses at random, counts, and is interrupted when asked for a stroke too many.
+// Chooses at random (or always one stroke), counts, and is interrupted when asked for a stroke too many.
 class CountingAgent final : public Agent {
  public:
-  explicit CountingAgent(int most = 1000) : most_(most) {}
+  explicit CountingAgent(int most = 1000, std::optional<Action> always = {}) : most_(most), always_(always) {}
   std::string name() const override { return "counting"; }
   std::vector<Action> Act(std::span<const TaskView> views, std::span<RandomStream> streams) override {
     if (asked == most_) throw Error("stopped by the user", ErrorKind::kInterrupted);
     ++asked;
     rejected.push_back(views.front().rejected_in_a_row);
+    if (always_) return {*always_};
     return random_.Act(views, streams);
   }
   int64_t model_evaluations() const override { return 10 * asked; }
@@ -45,6 +46,7 @@ class CountingAgent final : public Agent {
 
  private:
   int most_;
+  std::optional<Action> always_;
   RandomAgent random_;
 };
 
@@ -139,14 +141,14 @@ TEST(KeptEvaluation, GrainsGoOnFromTheBedThatIsKept) {
   if (!FindProgram("lmp")) GTEST_SKIP() << "LAMMPS is not installed";
   const TemporaryFolder folder;
   DemConfig config;
-  config.material.grain_m = 0.01;
-  config.reach_m = 0.04;
+  config.reach_m = 0.05;
   config.cache = folder.path() / "beds";
   const Dem sand(config);
-  const HeightMap terrain(20, 25, 0.008, 0.04f);
+  const HeightMap terrain(25, 30, 0.004, 0.04f);
   Task task{terrain, terrain, 2};
   task.goal.mask.assign(task.goal.size(), 1);
-  CountingAgent first(1), second, without;
+  const Action shallow = {-0.3f, 0, 0, -1, -0.3f, -0.3f, 0};
+  CountingAgent first(1, shallow), second(1000, shallow), without(1000, shallow);
   const auto play = [&](Agent& agent, const char* name) {
     return EvaluateKept(agent, {sand}, {.success_error_m = 0}, {&task, 1}, 7, {folder.path() / name});
   };

@@ -140,5 +140,33 @@ TEST_F(DeployTest, CollectOnTheSimulatedArmGoesOnWhereItWas) {
   EXPECT_THAT(Invoke("collect --source rig --out rig --strokes 1"), BadInput("--arm HOST"));
 }
 
+// What was foreseen before anything moved, and how it came out.
+TEST_F(DeployTest, TheEndIsComparedWithTheVerdict) {
+  const std::string cell = " --workcell " + std::string(kWorkcell);
+  ASSERT_EQ(Invoke("goal --shape mound --rise-mm 10 --terrain bed.h5 --out goal.h5").exit_code, 0);
+  ASSERT_EQ(Invoke("goal --shape crater --rise-mm 10 --terrain bed.h5 --out other.h5").exit_code, 0);
+  const std::string agent = " --agent greedy --goal goal.h5 --max-strokes 2" + cell;
+  const Finished planned =
+      Invoke("plan --terrain bed.h5 --out mine.yaml --verdict verdict.json" + agent + " greedy.evaluations=20");
+  ASSERT_EQ(planned.exit_code, 0) << planned.output;
+  EXPECT_THAT(planned.output, HasSubstr("nine of ten"));
+  const auto verdict = nlohmann::json::parse(ReadFile(folder_ / "verdict.json"));
+  EXPECT_LT(verdict["low90_mm"], verdict["high90_mm"]);
+  EXPECT_GT(verdict["arm_minutes"], 0);
+  EXPECT_EQ(verdict["worlds"].size(), 1u);  // the surrogates work on cells of 4 mm
+  EXPECT_TRUE(fs::exists(folder_ / "verdict.png"));
+  const Finished run = Invoke("deploy --mode simulate --terrain bed.h5 --log log --verdict verdict.json --json run.json" +
+                              agent + " greedy.evaluations=20");
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const auto outcome = nlohmann::json::parse(ReadFile(folder_ / "run.json"))["verdict"];
+  const double end_mm = outcome["in_goal_mean_diff_mm"];
+  EXPECT_EQ(outcome["inside"], end_mm >= outcome["low90_mm"] && end_mm <= outcome["high90_mm"]);
+  EXPECT_THAT(run.output, HasSubstr("that were foreseen"));
+  EXPECT_THAT(ReadFile(folder_ / "log/events.jsonl"), HasSubstr("\"outcome\""));
+  EXPECT_THAT(Invoke("deploy --mode simulate --terrain bed.h5 --log log2 --verdict verdict.json --agent greedy --goal "
+                     "other.h5" + cell),
+              BadInput("made for another goal"));
+}
+
 }  // namespace
 }  // namespace sandwright

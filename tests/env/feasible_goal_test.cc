@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -119,6 +120,23 @@ TEST(FeasibleGoal, FreeGroundTakesAndGivesSand) {
   const HeightMap raised = NearestFeasible(goal, Bed(), little);
   const double free_m2 = 0.8 * 0.6 - 1e-4 * static_cast<double>(std::ranges::count(goal.mask, 1));
   EXPECT_NEAR(Volume(raised, goal.mask), Volume(Bed(), goal.mask) - 0.0001 * free_m2, 1e-6);
+}
+
+TEST(FeasibleGoal, EachCellHasItsFaults) {
+  // A cliff at x = 0.4, a groove of 20 mm at y = 0.1, and nothing that counts at y > 0.5.
+  const HeightMap goal = Goal([](double x, double y) {
+    if (y > 0.5) return kNothing;
+    return x > 0.4 ? 0.1 : std::abs(y - 0.1) < 0.01 ? 0.075 : 0.08;
+  });
+  const std::vector<uint8_t> faults = GoalFaults(goal, {.narrowest_crest_m = 0}, nullptr);
+  EXPECT_EQ(faults[goal.Index(30, 39)] & kTooSteep, kTooSteep);
+  EXPECT_EQ(faults[goal.Index(30, 40)] & kTooSteep, kTooSteep);
+  EXPECT_EQ(faults[goal.Index(30, 20)], 0);
+  EXPECT_EQ(faults[goal.Index(10, 20)] & kTooNarrow, kTooNarrow);
+  EXPECT_EQ(faults[goal.Index(55, 39)], 0);
+  const Feasibility judged = JudgeGoal(goal, Bed(), {.narrowest_crest_m = 0}, nullptr);
+  const auto steep = std::ranges::count_if(faults, [](uint8_t bits) { return (bits & kTooSteep) != 0; });
+  EXPECT_DOUBLE_EQ(judged.steep_share, static_cast<double>(steep) / (50 * 80));
 }
 
 TEST(FeasibleGoal, ReachIsTheShareWhereNoStrokeStarts) {
