@@ -123,8 +123,7 @@ ErrorInterval IntervalOf(std::span<const double> world_error_m, const VerdictCon
 }
 
 Verdict MakeVerdict(Agent& agent, const SandModel& model, std::span<const std::unique_ptr<SandModel>> worlds,
-                    const SafetyGate& gate, const ShapingJob& job, uint64_t seed, const VerdictConfig& config,
-                    const FeasibilityConfig& feasibility) {
+                    const SafetyGate& gate, const ShapingJob& job, uint64_t seed, const VerdictConfig& config) {
   Verdict verdict{.start_error_m = GoalError(job.terrain, job.goal), .goal_id = GoalId(job.goal)};
   std::vector<double> errors_m;
   double strokes = 0;
@@ -157,8 +156,8 @@ Verdict MakeVerdict(Agent& agent, const SandModel& model, std::span<const std::u
   verdict.arm_s /= count;
   verdict.end = MeanEnd(verdict.worlds);
   const ReachMap& reach = gate.reach();
-  verdict.goal = JudgeGoal(job.goal, job.terrain, feasibility, &reach);
-  const std::vector<uint8_t> faults = GoalFaults(job.goal, feasibility, &reach);
+  verdict.goal = JudgeGoal(job.goal, job.terrain, config.goal, &reach);
+  const std::vector<uint8_t> faults = GoalFaults(job.goal, config.goal, &reach);
   verdict.why = WhyMissed(verdict.end, job.goal, verdict.goal, faults, config.miss_m);
   return verdict;
 }

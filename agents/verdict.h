@@ -20,6 +20,7 @@ struct VerdictConfig {
   double low_factor = 0.9, high_factor = 1.3;
   double miss_m = 0.002;
   double look_s = 2;
+  FeasibilityConfig goal;  // by which cells are told that no stroke can make
 
   void Fields(FieldList& f) {
     f.Add("worlds", worlds, "sand models that the agent's strokes are executed in; those of other cells are left out");
@@ -27,6 +28,7 @@ struct VerdictConfig {
     f.Add("high_factor", high_factor, "and ends at this multiple of the largest [1]", 1, 10);
     f.Add("miss_m", miss_m, "a cell that ends further than this from the goal is a miss [m]", 0, 0.1);
     f.Add("look_s", look_s, "time that a scan takes between two strokes [s]", 0, 600);
+    f.Section("goal", goal);
   }
 };
 
@@ -62,10 +64,10 @@ struct Verdict {
 };
 
 // Plays `job` with rescans after each stroke in each of `worlds` (config.worlds by name); the agent plans with the
-// `model` that it was loaded with. Throws Error where none of the worlds fits the terrain's cells, and as RunClosedLoop.
+// `model` that it was loaded with. Throws Error where none of the worlds fits the terrain's cells, and as
+// RunClosedLoop.
 Verdict MakeVerdict(Agent& agent, const SandModel& model, std::span<const std::unique_ptr<SandModel>> worlds,
-                    const SafetyGate& gate, const ShapingJob& job, uint64_t seed, const VerdictConfig& config,
-                    const FeasibilityConfig& feasibility);
+                    const SafetyGate& gate, const ShapingJob& job, uint64_t seed, const VerdictConfig& config);
 
 // Identity of a goal: grid, mask and the heights that count.
 std::string GoalId(const HeightMap& goal);

@@ -117,8 +117,8 @@ DemoRun RunAgent(Agent& agent, const SandModel& model, const SafetyGate& gate,
 // What is to be expected of the agent, before it moves anything.
 void AddVerdict(Agent& agent, const SandModel& model, const SafetyGate& gate, const ShapingJob& job,
                 const DemoConfig& config, const SandModelConfig& sand, uint64_t seed, DemoReport& report) {
-  const Verdict verdict = MakeVerdict(agent, model, LoadWorlds(config.verdict, sand), gate, job, seed,
-                                      config.verdict, config.feasibility);
+  const Verdict verdict =
+      MakeVerdict(agent, model, LoadWorlds(config.verdict, sand), gate, job, seed, config.verdict);
   if (verdict.stopped) return;
   report.verdict = ToJson(verdict, job.goal, config.verdict);
   report.verdict_picture = DrawVerdict(verdict, job.terrain, job.goal);

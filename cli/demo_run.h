@@ -26,7 +26,6 @@ struct DemoConfig {
   HeightfieldConfig world;  // differs from the model on purpose: real sand is never the model
   SimulatedRigConfig rig;
   VerdictConfig verdict;
-  FeasibilityConfig feasibility;
   PlannerConfigs planners;
 
   DemoConfig() {
@@ -48,7 +47,6 @@ struct DemoConfig {
     f.Section("world", world);
     f.Section("rig", rig);
     f.Section("verdict", verdict);
-    f.Section("feasibility", feasibility);
     planners.Fields(f);
   }
 };

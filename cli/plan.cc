@@ -30,14 +30,14 @@ class PlanCommand final : public Command {
     app.add_option("--out", out_, "plan file to write (.yaml)")->required();
     app.add_option("--verdict", verdict_file_,
                    "verdict to write (.json, and a picture .png beside it): how near the agent will come with a rescan "
-                   "after each stroke, where it will miss and why, and how long the arm takes");
+                   "after each stroke, where it will miss and why, and how long the arm takes")
+        ->check(IsVerdictFile);
   }
   void Fields(FieldList& f) override {
     f.Section("episode", episode_);
     sand_.Fields(f);
     planners_.Fields(f);
     f.Section("verdict", verdict_);
-    f.Section("goal", feasibility_);
   }
 
   int Run() override {
@@ -80,29 +80,21 @@ class PlanCommand final : public Command {
     fmt::print("{} strokes ({} rejected), goal error {:.2f} -> {:.2f} mm as predicted by {}: {}\n",
                plan.strokes.size(), run.rejected(), 1e3 * run.start_error_m,
                1e3 * run.final_error_m(), model->name(), out_);
-    if (!verdict_file_.empty() && !run.stopped) result["verdict"] = Judge(*agent, *model, gate, job);
+    if (!verdict_file_.empty() && !run.stopped) {
+      const Verdict verdict = MakeVerdict(*agent, *model, LoadWorlds(verdict_, sand_), gate, job, seed(), verdict_);
+      result["verdict"] = WriteVerdict(verdict, job, verdict_, verdict_file_);
+    }
     WriteResult(result);
     return run.stopped ? 130 : 0;
   }
 
  private:
-  nlohmann::json Judge(Agent& agent, const SandModel& model, const SafetyGate& gate, const ShapingJob& job) const {
-    const Verdict verdict =
-        MakeVerdict(agent, model, LoadWorlds(verdict_, sand_), gate, job, seed(), verdict_, feasibility_);
-    ThrowIfStopRequested();
-    const nlohmann::json json = ToJson(verdict, job.goal, verdict_);
-    WriteVerdict(json, DrawVerdict(verdict, job.terrain, job.goal), verdict_file_);
-    fmt::print("verdict: {}\n", VerdictInWords(json));
-    return json;
-  }
-
   std::string agent_, model_ = "heightfield", terrain_, goal_, workcell_, out_, verdict_file_;
   int max_strokes_ = 20;
   EpisodeConfig episode_;
   SandModelConfig sand_;
   PlannerConfigs planners_;
   VerdictConfig verdict_;
-  FeasibilityConfig feasibility_;
 };
 
 }  // namespace

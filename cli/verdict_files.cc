@@ -6,6 +6,7 @@
 
 #include "data/base/atomic_file.h"
 #include "data/base/error.h"
+#include "data/base/stop.h"
 #include "data/picture.h"
 #include "env/load_sand_model.h"
 
@@ -17,11 +18,18 @@ std::vector<std::unique_ptr<SandModel>> LoadWorlds(const VerdictConfig& config, 
   return worlds;
 }
 
-void WriteVerdict(const nlohmann::json& verdict, const cv::Mat& picture, const std::string& file) {
-  const std::filesystem::path path = file;
-  if (path.extension() != ".json") throw Error(file + ": a verdict is written as .json");
-  WriteFileAtomically(path, verdict.dump(2) + "\n");
-  WritePicture(picture, std::filesystem::path(path).replace_extension(".png"));
+std::string IsVerdictFile(const std::string& file) {
+  return file.ends_with(".json") ? "" : file + ": a verdict is written as .json";
+}
+
+nlohmann::json WriteVerdict(const Verdict& verdict, const ShapingJob& job, const VerdictConfig& config,
+                            const std::string& file) {
+  if (verdict.stopped) ThrowIfStopRequested();
+  nlohmann::json json = ToJson(verdict, job.goal, config);
+  WriteFileAtomically(file, json.dump(2) + "\n");
+  WritePicture(DrawVerdict(verdict, job.terrain, job.goal), std::filesystem::path(file).replace_extension(".png"));
+  fmt::print("verdict: {}\n", VerdictInWords(json));
+  return json;
 }
 
 nlohmann::json ReadVerdict(const std::string& file, const HeightMap& goal) {
@@ -50,7 +58,8 @@ std::string VerdictInWords(const nlohmann::json& verdict) {
 std::string OutcomeInWords(const nlohmann::json& outcome) {
   return fmt::format("{:.2f} mm lies {} the {:.2f} to {:.2f} mm that were foreseen",
                      outcome["in_goal_mean_diff_mm"].get<double>(),
-                     outcome["inside"].get<bool>() ? "inside" : "OUTSIDE", outcome["low90_mm"].get<double>(), outcome["high90_mm"].get<double>());
+                     outcome["inside"].get<bool>() ? "inside" : "OUTSIDE",
+                     outcome["low90_mm"].get<double>(), outcome["high90_mm"].get<double>());
 }
 
 }  // namespace sandwright

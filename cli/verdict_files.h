@@ -14,8 +14,12 @@ namespace sandwright {
 // The sand models of config.worlds, in order.
 std::vector<std::unique_ptr<SandModel>> LoadWorlds(const VerdictConfig& config, const SandModelConfig& sand);
 
-// FILE (JSON) and beside it the picture, .png. Throws Error where FILE is no .json.
-void WriteVerdict(const nlohmann::json& verdict, const cv::Mat& picture, const std::string& file);
+// For CLI11: what is wrong with the name of a verdict's file; "": nothing.
+std::string IsVerdictFile(const std::string& file);
+// FILE (JSON, what is returned), beside it the picture, .png, and in words on standard output. Throws Error where
+// making the verdict was stopped.
+nlohmann::json WriteVerdict(const Verdict& verdict, const ShapingJob& job, const VerdictConfig& config,
+                            const std::string& file);
 
 // Throws Error where it is no verdict, or of another goal.
 nlohmann::json ReadVerdict(const std::string& file, const HeightMap& goal);

@@ -27,17 +27,17 @@ class VerdictTest : public ::testing::Test {
     worlds.push_back(std::make_unique<StillSand>());
     const auto agent = LoadAgent("sweep", {.model = *worlds[0], .gate = &gate_});
     const ShapingJob job{.terrain = terrain_, .goal = goal_, .region = {0, 0, 0.3, 0.3}, .max_strokes = 3};
-    return MakeVerdict(*agent, *worlds[0], worlds, gate_, job, 1, config_, {});
+    return MakeVerdict(*agent, *worlds[0], worlds, gate_, job, 1, config_);
   }
   MissReason At(const Verdict& verdict, int row, int column) const { return verdict.why[goal_.Index(row, column)]; }
 
   SafetyGate gate_{LoadWorkcell(ShippedConfig("workcell_small.yaml"))};
-  VerdictConfig config_{.worlds = {"none", "none"}, .low_factor = 0.8, .high_factor = 1.5};
+  VerdictConfig config_{.worlds = {"none", "none"}, .low_factor = 0.8, .high_factor = 1.5, .goal = {}};
   HeightMap terrain_{60, 60, 0.005, 0.05f}, goal_ = terrain_;
 };
 
 TEST(ErrorIntervalTest, IsTheRangeOfTheWorldsStretched) {
-  const VerdictConfig config{.low_factor = 0.5, .high_factor = 2};
+  const VerdictConfig config{.low_factor = 0.5, .high_factor = 2, .goal = {}};
   const ErrorInterval interval = IntervalOf(std::vector<double>{0.003, 0.002, 0.004}, config);
   EXPECT_DOUBLE_EQ(interval.expected_m, 0.003);
   EXPECT_DOUBLE_EQ(interval.low90_m, 0.001);
