@@ -8,14 +8,14 @@
 namespace sandwright {
 
 struct GroupConfig {
-  int64_t num_steps = 20;
+  int64_t num_steps = 10;
   int64_t strokes = 64;
   double seek = 0.5;
   double best_share = 0.5;
-  int64_t gradient_steps = 16;
+  int64_t gradient_steps = 10;
   int64_t minibatch_size = 256;
   double clip_range = 0.2;
-  double learning_rate = 1e-3;
+  double learning_rate = 7e-4;
   std::string learning_rate_schedule = "linear";
   double max_gradient_norm = 1.0;
 

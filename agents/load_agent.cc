@@ -14,14 +14,15 @@ namespace sandwright {
 namespace {
 
 std::filesystem::path PolicyPath(const std::string& name_or_file) {
-  return name_or_file == "default" ? ShippedFile("models/default_policy.safetensors")
-                                   : std::filesystem::path(name_or_file);
+  if (name_or_file == "default") return ShippedFile("models/default_policy.safetensors");
+  if (name_or_file == "sampler") return ShippedFile("models/sampler_policy.safetensors");
+  return name_or_file;
 }
 
 std::unique_ptr<PolicyAgent> LoadPolicy(const std::string& name_or_file, const AgentOptions& options) {
   const std::filesystem::path file = PolicyPath(name_or_file);
   if (file.extension() != ".safetensors")
-    throw Error(fmt::format("no policy '{}'; allowed: default or a .safetensors file", name_or_file));
+    throw Error(fmt::format("no policy '{}'; allowed: default, sampler or a .safetensors file", name_or_file));
   const torch::Device device = SelectDevice(options.device);
   return std::make_unique<PolicyAgent>(
       name_or_file, UnpackPolicy(ReadSafetensors(file), file.string(), device), device);

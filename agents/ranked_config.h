@@ -8,12 +8,13 @@
 namespace sandwright {
 
 struct RankedConfig {
-  std::string policy = "default";
+  std::string policy = "sampler";
   int64_t evaluations = 150;
   double refine_share = 0.4;
 
   void Fields(FieldList& f) {
-    f.Add("policy", policy, "the policy: default (the shipped one) or a .safetensors file");
+    f.Add("policy", policy,
+          "the policy: sampler (shipped to be ranked: its samples differ more), default or a .safetensors file");
     f.Add("evaluations", evaluations,
           "model evaluations a stroke: the policy's own choice, samples of it, and refined ones", 1,
           100000);

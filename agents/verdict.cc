@@ -122,6 +122,25 @@ ErrorInterval IntervalOf(std::span<const double> world_error_m, const VerdictCon
           config.high_factor * std::ranges::max(world_error_m)};
 }
 
+double ErrorAsScanned(const HeightMap& scan, const HeightMap& end, const HeightMap& goal) {
+  SAND_CHECK(end.SameGrid(scan) && goal.SameGrid(scan), end.rows, scan.rows);
+  constexpr double kSmooth_m = 0.008, kChanged_m = 0.001;
+  HeightMap smooth = scan;
+  cv::Mat image(smooth.rows, smooth.columns, CV_32F, smooth.height_m.data());
+  cv::GaussianBlur(image, image, {}, kSmooth_m / scan.cell_size_m, 0, cv::BORDER_REFLECT);
+  double sum_m = 0, counted = 0;
+  for (size_t i = 0; i < end.size(); ++i) {
+    if (!goal.mask[i]) continue;
+    // The roughness of another cell: what the model did leave of this one's own must not be counted twice.
+    const size_t other = end.size() - 1 - i;
+    const bool changed = std::abs(end.height_m[i] - scan.height_m[i]) > kChanged_m;
+    const double rough_m = changed ? scan.height_m[other] - smooth.height_m[other] : 0;
+    sum_m += std::abs(end.height_m[i] + rough_m - goal.height_m[i]);
+    ++counted;
+  }
+  return sum_m / counted;
+}
+
 Verdict MakeVerdict(Agent& agent, const SandModel& model, std::span<const std::unique_ptr<SandModel>> worlds,
                     const SafetyGate& gate, const ShapingJob& job, uint64_t seed, const VerdictConfig& config) {
   Verdict verdict{.start_error_m = GoalError(job.terrain, job.goal), .goal_id = GoalId(job.goal)};
@@ -142,8 +161,8 @@ Verdict MakeVerdict(Agent& agent, const SandModel& model, std::span<const std::u
           return bed = state.map();
         });
     if (run.stopped) return verdict.stopped = true, verdict;
-    errors_m.push_back(run.final_error_m());
-    verdict.worlds.push_back({config.worlds[w], run.final_error_m(), static_cast<int>(run.strokes.size()),
+    errors_m.push_back(ErrorAsScanned(job.terrain, bed, job.goal));
+    verdict.worlds.push_back({config.worlds[w], errors_m.back(), static_cast<int>(run.strokes.size()),
                               run.rejected(), ArmSeconds(run, gate, config.look_s), bed});
     strokes += static_cast<double>(run.strokes.size());
     verdict.arm_s += verdict.worlds.back().arm_s;

@@ -6,6 +6,7 @@
 
 #include "agents/load_agent.h"
 #include "data/base/error.h"
+#include "data/base/random.h"
 #include "data/shipped.h"
 #include "data/task.h"
 #include "env/heightfield.h"
@@ -44,6 +45,22 @@ TEST(ErrorIntervalTest, IsTheRangeOfTheWorldsStretched) {
   EXPECT_DOUBLE_EQ(interval.high90_m, 0.008);
   EXPECT_TRUE(interval.holds(0.008));
   EXPECT_FALSE(interval.holds(0.0009));
+}
+
+TEST(ErrorAsScannedTest, WhatIsSmoothedInAModelIsRoughInTheSand) {
+  HeightMap scan(60, 60, 0.005, 0.05f);
+  RandomStream stream(1);
+  for (float& h : scan.height_m) h += 0.002f * static_cast<float>(stream.Normal());
+  HeightMap goal(60, 60, 0.005, 0.05f);
+  goal.mask.assign(goal.size(), 1);
+  const double rough_m = GoalError(scan, goal);  // sd times sqrt(2 / pi)
+  EXPECT_NEAR(rough_m, 0.0016, 1e-4);
+  EXPECT_DOUBLE_EQ(ErrorAsScanned(scan, scan, goal), rough_m);  // untouched: as it is
+  HeightMap levelled = goal;
+  levelled.mask.clear();
+  EXPECT_NEAR(ErrorAsScanned(scan, levelled, goal), rough_m, 0.35 * rough_m);  // not 0
+  const HeightMap smooth_scan(60, 60, 0.005, 0.053f);
+  EXPECT_NEAR(ErrorAsScanned(smooth_scan, levelled, goal), 0, 1e-8);  // fine sand stays smooth
 }
 
 TEST_F(VerdictTest, SandThatIsMissingIsSaidToBeMissing) {

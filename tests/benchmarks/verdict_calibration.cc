@@ -60,7 +60,7 @@ std::vector<PlayedOut> FromAgents(const fs::path& folder, std::span<const Task> 
       for (const auto& world : worlds) {
         const auto agent = LoadAgent(name, {.model = *model});
         const Evaluation end = Evaluate(*agent, {*world}, EpisodeConfigFor(*agent, episode), {&task, 1}, 1);
-        outcome.world_mm.push_back(end.Mean("in_goal_mean_diff_mm"));
+        outcome.world_mm.push_back(1e3 * ErrorAsScanned(task.terrain, end.end.front(), task.goal));
       }
       fmt::print("{} {}: real {:.2f} mm, worlds {:.2f} to {:.2f}\n", name, outcome.bed, outcome.real_mm,
                  std::ranges::min(outcome.world_mm), std::ranges::max(outcome.world_mm));
@@ -90,7 +90,7 @@ std::vector<PlayedOut> FromBeds(std::span<const fs::path> files, const Worlds& w
       config.goals = {std::string(kind)};
       const HeightMap goal = GenerateGoal(config, start, stream).goal;
       PlayedOut outcome{bed.bed, std::string(kind), {}, 1e3 * GoalError(end, goal)};
-      for (const HeightMap& predicted : ends) outcome.world_mm.push_back(1e3 * GoalError(predicted, goal));
+      for (const HeightMap& predicted : ends) outcome.world_mm.push_back(1e3 * ErrorAsScanned(start, predicted, goal));
       found.push_back(std::move(outcome));
     }
   }
