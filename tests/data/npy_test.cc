@@ -9,6 +9,7 @@
 
 #include "data/base/atomic_file.h"
 #include "data/base/error.h"
+#include "tests/support/zip.h"
 
 namespace sandwright {
 namespace {
@@ -21,12 +22,6 @@ auto Fails(const std::string& text) {
 }
 std::string Temp(const std::string& name) { return ::testing::TempDir() + "npy_" + name; }
 
-std::string Bytes(uint64_t value, int count) {
-  std::string bytes;
-  for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xff);
-  return bytes;
-}
-
 // An array file by hand, as the format's description has it.
 std::string Npy(const std::string& header, const std::string& data, int major = 1) {
   std::string bytes = "\x93NUMPY";
@@ -35,18 +30,8 @@ std::string Npy(const std::string& header, const std::string& data, int major = 
   return bytes + Bytes(header.size(), major == 1 ? 2 : 4) + header + data;
 }
 
-// A zip file with one member, without checksums (which reading does not ask for).
 std::string Zip(const std::string& name, const std::string& packed, size_t size, int method) {
-  const std::string sizes = Bytes(0, 4) + Bytes(packed.size(), 4) + Bytes(size, 4);
-  const std::string local = "PK\x03\x04" + Bytes(20, 2) + Bytes(0, 2) +
-                            Bytes(static_cast<uint64_t>(method), 2) + Bytes(0, 4) + sizes +
-                            Bytes(name.size(), 2) + Bytes(0, 2) + name + packed;
-  const std::string directory = "PK\x01\x02" + Bytes(20, 2) + Bytes(20, 2) + Bytes(0, 2) +
-                                Bytes(static_cast<uint64_t>(method), 2) + Bytes(0, 4) + sizes +
-                                Bytes(name.size(), 2) + Bytes(0, 2) + Bytes(0, 2) + Bytes(0, 8) +
-                                Bytes(0, 4) + name;
-  return local + directory + "PK\x05\x06" + Bytes(0, 4) + Bytes(1, 2) + Bytes(1, 2) +
-         Bytes(directory.size(), 4) + Bytes(local.size(), 4) + Bytes(0, 2);
+  return sandwright::Zip(std::vector<ZipMember>{{name, packed, size, method}});
 }
 
 std::string Deflate(const std::string& plain) {

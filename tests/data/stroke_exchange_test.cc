@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "data/base/atomic_file.h"
@@ -10,6 +11,7 @@
 #include "data/stroke_import.h"
 #include "data/stroke_table.h"
 #include "data/svg_drawing.h"
+#include "tests/support/zip.h"
 
 namespace sandwright {
 namespace {
@@ -72,10 +74,54 @@ TEST(StrokeDrawing, SvgKeepsCurvesAndPlaces) {
   EXPECT_EQ(drawing.shapes[0].stroke_width, 50);
 }
 
+// An archive of two strokes on one bed of 2 x 3 cells, `left_out` missing.
+void WriteNpz(const std::string& left_out, size_t maps_after = 2) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<ZipMember> members;
+  const auto add = [&](const std::string& name, const std::vector<double>& values, const std::vector<size_t>& shape) {
+    if (name == left_out) return;
+    WriteNpy<double>(Temp("member.npy"), values, shape);
+    const std::string npy = ReadFile(Temp("member.npy"));
+    members.push_back({name + ".npy", npy, npy.size(), 0});
+  };
+  const std::vector<double> beds = {0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.04, 0.05, 0.06, 0.05, 0.05, 0.05,
+                                    0.04, 0.04, 0.06, 0.06, 0.05, 0.05};
+  add("before_m", {beds.begin(), beds.begin() + 12}, {2, 2, 3});
+  add("after_m", {beds.begin() + 6, beds.begin() + 6 + 6 * static_cast<int64_t>(maps_after)}, {maps_after, 2, 3});
+  add("control_points_m", {0.1, 0.1, 0.04, 0.2, 0.1, 0.04, nan, nan, nan,  //
+                           0.1, 0.2, 0.04, 0.2, 0.2, 0.03, 0.2, 0.1, 0.04},
+      {2, 3, 3});
+  add("degree", {1, 2}, {2});
+  add("speed_mps", {0.1, 0.05}, {2});
+  add("cell_size_m", {0.1}, {});
+  WriteFileAtomically(Temp("data.npz"), Zip(members));
+}
+
 TEST(StrokeImport, NpzBecomesSequences) {
-  const Blade blade;
-  // Written one by one and zipped by hand is tested in npy_test; here what is read out of them.
-  EXPECT_THAT([&] { ReadStrokesNpz(Temp("none.npz"), blade, Datum::kRelative, 0.01); }, Fails("none.npz: no such file"));
+  WriteNpz("nothing");
+  const StrokeFile content = ReadStrokesNpz(Temp("data.npz"), {}, Datum::kRelative, {});
+  ASSERT_EQ(content.strokes.size(), 2u);
+  EXPECT_EQ(content.strokes[0].after.rows, 2);
+  EXPECT_EQ(content.strokes[0].after.height_m[2], 0.06f);
+  EXPECT_EQ(content.strokes[0].stroke.control_points_m.size(), 2u);  // lines of NaN fill up
+  EXPECT_EQ(content.strokes[1].stroke.control_points_m.size(), 3u);
+  EXPECT_EQ(content.strokes[1].stroke.speed_mps, 0.05);
+  EXPECT_EQ(content.strokes[1].sequence, 0);
+  EXPECT_EQ(content.strokes[1].step, 1);  // its bed is the one that the first left
+}
+
+TEST(StrokeImport, NpzNamesWhatIsMissing) {
+  const auto read = [](std::optional<double> cell_size_m) {
+    return [=] { ReadStrokesNpz(Temp("data.npz"), {}, Datum::kRelative, cell_size_m); };
+  };
+  EXPECT_THAT([] { ReadStrokesNpz(Temp("none.npz"), {}, Datum::kRelative, 0.01); }, Fails("none.npz: no such file"));
+  for (const std::string name : {"before_m", "after_m", "control_points_m", "degree", "speed_mps", "cell_size_m"}) {
+    WriteNpz(name);
+    EXPECT_THAT(read({}), Fails(name)) << name;
+  }
+  EXPECT_NO_THROW(read(0.1)());  // told beside the file
+  WriteNpz("nothing", 1);
+  EXPECT_THAT(read({}), Fails("after_m"));
 }
 
 TEST(StrokeImport, CsvNamesItsMaps) {
