@@ -17,12 +17,6 @@ namespace {
 constexpr double kAdamEpsilon = 1e-8;
 constexpr double kSurplusShare = 0.8;  // of the strokes that are not the policy's
 
-std::vector<float> Values(const std::vector<Action>& actions) {
-  std::vector<float> values;
-  for (const Action& action : actions) values.insert(values.end(), action.begin(), action.end());
-  return values;
-}
-
 }  // namespace
 
 ExpertIteration::ExpertIteration(ShapingEnv& env, const World& world, const EpisodeConfig& episode,
@@ -45,8 +39,7 @@ ExpertIteration::ExpertIteration(ShapingEnv& env, const World& world, const Epis
 }
 
 void ExpertIteration::RestartEpisodes() {
-  observation_ = env_.Reset(
-      RandomStream(seed_, StreamId("training episodes"), static_cast<uint64_t>(steps_)).Next64());
+  observation_ = env_.Reset(EpisodesSeed(seed_, steps_));
 }
 
 void ExpertIteration::Try(const EpisodeState& state, std::span<const Action> candidates,
@@ -115,7 +108,7 @@ std::map<std::string, double> ExpertIteration::Advance() {
       ++asked;
       if (streams_[i].Uniform() < config_.expert_share) chosen[i] = advice.action.front();
     }
-    StepBatch step = env_.Step(Values(chosen));
+    StepBatch step = env_.Step(ValuesOf(chosen));
     CheckFinite(step);
     std::ranges::move(step.finished, std::back_inserter(finished));
     observation_ = std::move(step.observation);
@@ -150,12 +143,10 @@ double ExpertIteration::Learn() {
       {examples.observation.map.to(device_), examples.observation.vec.to(device_)},
       examples.action.to(device_));
   const auto loss = -terms.log_prob.mean();
-  optimizer_.ZeroGradients();
-  loss.backward();
-  const double norm = optimizer_.ClipGradients(config_.max_gradient_norm);
-  SAND_CHECK(std::isfinite(norm), "a gradient is NaN", steps_);
-  optimizer_.Step(config_.learning_rate *
-                  ShareLeft(config_.learning_rate_schedule, steps_, total_steps_));
+  optimizer_.Descend(loss,
+                     config_.learning_rate *
+                         ShareLeft(config_.learning_rate_schedule, steps_, total_steps_),
+                     config_.max_gradient_norm);
   return loss.item<double>();
 }
 

@@ -58,6 +58,14 @@ void FlatAdam::Step(double learning_rate) {
   values_.addcdiv_(first_moment_, denominator, -step_size);
 }
 
+void FlatAdam::Descend(const torch::Tensor& loss, double learning_rate, double gradient_limit) {
+  ZeroGradients();
+  loss.backward();
+  const double norm = ClipGradients(gradient_limit);
+  SAND_CHECK(std::isfinite(norm), "a gradient is NaN", steps_);
+  Step(learning_rate);
+}
+
 void FlatAdam::Save(const std::string& name, Safetensors& content) const {
   const auto add = [&](const char* kind, const torch::Tensor& moment) {
     const auto cpu = moment.to(torch::kCPU);

@@ -25,6 +25,8 @@ class FlatAdam {
   // Scales the gradient so that its 2-norm is at most `limit`; returns the norm before.
   double ClipGradients(double limit);
   void Step(double learning_rate);
+  // All of these down `loss`. Throws Error where its gradient is not finite.
+  void Descend(const torch::Tensor& loss, double learning_rate, double gradient_limit);
 
   // All of the state beside parameters and learning rate, under `name`. Load throws Error naming
   // `source` where the moments belong to other parameters.

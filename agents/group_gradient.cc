@@ -1,7 +1,6 @@
 #include "agents/group_gradient.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "agents/stroke_trial.h"
 #include "data/base/error.h"
@@ -43,8 +42,7 @@ GroupGradient::GroupGradient(ShapingEnv& env, const World& world, const EpisodeC
 }
 
 void GroupGradient::RestartEpisodes() {
-  observation_ = env_.Reset(
-      RandomStream(seed_, StreamId("training episodes"), static_cast<uint64_t>(steps_)).Next64());
+  observation_ = env_.Reset(EpisodesSeed(seed_, steps_));
 }
 
 std::vector<float> GroupGradient::Rewards(const EpisodeState& state,
@@ -84,9 +82,7 @@ std::map<std::string, double> GroupGradient::Advance() {
     action.push_back(decision.action.view({-1, config_.strokes, kActionSize}));
     log_prob.push_back(decision.log_prob.view({-1, config_.strokes}));
     reward.push_back(torch::tensor(worth).view({-1, config_.strokes}));
-    std::vector<float> values;
-    for (const Action& stroke : chosen) values.insert(values.end(), stroke.begin(), stroke.end());
-    StepBatch step = env_.Step(values);
+    StepBatch step = env_.Step(ValuesOf(chosen));
     CheckFinite(step);
     std::ranges::move(step.finished, std::back_inserter(finished));
     observation_ = std::move(step.observation);
@@ -133,12 +129,10 @@ GroupGradient::Report GroupGradient::Learn(const Round& round) {
   const auto ratio = log_ratio.exp(), advantage = of(round.advantage).flatten();
   const auto clipped = ratio.clamp(1 - config_.clip_range, 1 + config_.clip_range);
   const auto loss = -torch::min(ratio * advantage, clipped * advantage).mean();
-  optimizer_.ZeroGradients();
-  loss.backward();
-  const double norm = optimizer_.ClipGradients(config_.max_gradient_norm);
-  SAND_CHECK(std::isfinite(norm), "a gradient is NaN", steps_);
-  optimizer_.Step(config_.learning_rate *
-                  ShareLeft(config_.learning_rate_schedule, steps_, total_steps_));
+  optimizer_.Descend(loss,
+                     config_.learning_rate *
+                         ShareLeft(config_.learning_rate_schedule, steps_, total_steps_),
+                     config_.max_gradient_norm);
   const torch::NoGradGuard no_grad;
   return {loss.item<double>(), (ratio - 1 - log_ratio).mean().item<double>(),
           ((ratio - 1).abs() > config_.clip_range).to(torch::kFloat32).mean().item<double>(),

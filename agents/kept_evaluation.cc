@@ -3,8 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
-#include <chrono>
-
+#include "agents/trainer.h"
 #include "data/base/error.h"
 #include "data/base/hdf5.h"
 #include "data/base/stop.h"
@@ -101,10 +100,6 @@ class KeptTask {
   Cost cost_;
 };
 
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 class KeptRun {
  public:
   KeptRun(Agent& agent, const World& world, const EpisodeConfig& config, uint64_t seed, const KeptIn& kept,
@@ -162,9 +157,11 @@ class KeptRun {
     try {
       if (!bed)
         bed = world_.sand.Start(task->terrain, StreamOf("kept evaluation bed", index % kPackings, 0).Next64());
-      while (!EpisodeOf(index, task, on_file, *bed).ended()) {
+      for (;;) {
+        EpisodeState episode = EpisodeOf(index, task, on_file, *bed);
+        if (episode.ended()) break;
         ThrowIfStopRequested();
-        Step(index, EpisodeOf(index, task, on_file, *bed), on_file);
+        Step(index, std::move(episode), on_file);
         bed = on_file.bed();
         if (progress_) progress_(++strokes_);
       }
@@ -189,12 +186,12 @@ class KeptRun {
     for (int choice = 0;; ++choice) {
       episode.rejected_in_a_row = choice;
       const TaskView view = View(episode);
-      auto start = std::chrono::steady_clock::now();
+      auto start = Clock::now();
       const Action action = agent_.Act({&view, 1}, {&stream, 1}).front();
       cost.agent_s += SecondsSince(start);
       cost.model_evaluations = agent_.model_evaluations() - evaluations_before;
       const HeightMap before = episode.sand.map();
-      start = std::chrono::steady_clock::now();
+      start = Clock::now();
       try {
         const auto result = StepEpisodes(world_, config_, {&episode, 1}, {&action, 1}).front();
         cost.world_s += SecondsSince(start);

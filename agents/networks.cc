@@ -90,6 +90,12 @@ std::vector<Action> ActionsOf(const torch::Tensor& action) {
   return actions;
 }
 
+std::vector<float> ValuesOf(std::span<const Action> actions) {
+  std::vector<float> values;
+  for (const Action& action : actions) values.insert(values.end(), action.begin(), action.end());
+  return values;
+}
+
 torch::Device SelectDevice(const std::string& name) {
   if (name == "cpu") return torch::kCPU;
   if (torch::cuda::is_available()) return torch::kCUDA;

@@ -30,6 +30,8 @@ ObservationTensors ToTensors(const ObservationBatch& batch, const ObservationSpe
 
 // Strokes [N, 7] on the CPU.
 std::vector<Action> ActionsOf(const torch::Tensor& action);
+// The numbers of all of them in a row, as VecEnv::Step takes them.
+std::vector<float> ValuesOf(std::span<const Action> actions);
 
 // auto: cuda where it works, else cpu. Error where cuda is asked for and is not there.
 torch::Device SelectDevice(const std::string& name);

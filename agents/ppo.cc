@@ -56,8 +56,7 @@ Ppo::Ppo(VecEnv& env, ActorCritic& network, const PpoConfig& config, int64_t tot
 
 void Ppo::RestartEpisodes() {
   return_scaler_.RestartEpisodes();
-  observation_ = env_.Reset(
-      RandomStream(seed_, StreamId("training episodes"), static_cast<uint64_t>(steps_)).Next64());
+  observation_ = env_.Reset(EpisodesSeed(seed_, steps_));
 }
 
 std::span<RandomStream> Ppo::OwnStreams() {

@@ -65,8 +65,7 @@ Sac::Sac(VecEnv& env, const SacConfig& config, CriticRule rule, uint64_t seed, t
 }
 
 void Sac::RestartEpisodes() {
-  observation_ = env_.Reset(
-      RandomStream(seed_, StreamId("training episodes"), static_cast<uint64_t>(steps())).Next64());
+  observation_ = env_.Reset(EpisodesSeed(seed_, steps()));
   const uint64_t noise_seed =
       RandomStream(seed_, StreamId("sac noise"), static_cast<uint64_t>(steps())).Next64();
   noises_.clear();

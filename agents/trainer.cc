@@ -55,6 +55,10 @@ void CheckFinite(const StepBatch& step) {
              "the environment gave an observation that is NaN");
 }
 
+uint64_t EpisodesSeed(uint64_t seed, int64_t steps) {
+  return RandomStream(seed, StreamId("training episodes"), static_cast<uint64_t>(steps)).Next64();
+}
+
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }

@@ -52,6 +52,9 @@ void CheckFinite(const StepBatch& step);
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point start);
 
+// What environments are reset by after `steps`: a run that is resumed there starts the episodes of one that went on.
+uint64_t EpisodesSeed(uint64_t seed, int64_t steps);
+
 // The learning rate that follows `rate` after an update that moved the policy by `kl`: a third less
 // beyond twice the target, a half more below half of it, within 1e-6 and 1e-2 (rl_games, Isaac Gym).
 double AdaptedRate(double rate, double kl, double target_kl);
