@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "agents/networks.h"
-#include "env/action.h"
+#include "agents/tensors.h"
+#include "data/base/random.h"
 #include "env/safetensors.h"
 
 namespace sandwright {

@@ -150,10 +150,6 @@ double ExpertIteration::Learn() {
   return loss.item<double>();
 }
 
-torch::Tensor ExpertIteration::Mean(const ObservationBatch& observation) {
-  return network_.Mean(ToTensors(observation, env_.observation_spec(), device_)).contiguous();
-}
-
 void ExpertIteration::Save(Safetensors& content) const {
   const nlohmann::json state = {{"steps", steps_},
                           {"shuffle", StreamToJson(shuffle_stream_)},

@@ -28,8 +28,7 @@ class ExpertIteration final : public Trainer {
   void RestartEpisodes() override;
   void Save(Safetensors& content) const override;
   void Load(const Safetensors& content, const std::string& source) override;
-  torch::Tensor Mean(const ObservationBatch& observation) override;
-  const torch::nn::Module& network() const override { return network_; }
+  Actor& actor() override { return network_; }
 
  private:
   // The best strokes of one state, best first, with what they are worth; those that the gate refuses

@@ -139,10 +139,6 @@ GroupGradient::Report GroupGradient::Learn(const Round& round) {
           terms.entropy.mean().item<double>()};
 }
 
-torch::Tensor GroupGradient::Mean(const ObservationBatch& observation) {
-  return network_.Mean(ToTensors(observation, env_.observation_spec(), device_)).contiguous();
-}
-
 void GroupGradient::Save(Safetensors& content) const {
   const nlohmann::json state = {{"steps", steps_},
                                 {"shuffle", StreamToJson(shuffle_stream_)},

@@ -30,8 +30,7 @@ class GroupGradient final : public Trainer {
   void RestartEpisodes() override;
   void Save(Safetensors& content) const override;
   void Load(const Safetensors& content, const std::string& source) override;
-  torch::Tensor Mean(const ObservationBatch& observation) override;
-  const torch::nn::Module& network() const override { return network_; }
+  Actor& actor() override { return network_; }
 
  private:
   // N states, each with its K strokes.

@@ -11,32 +11,16 @@
 
 #include <span>
 
+#include "agents/actor.h"
 #include "agents/beta.h"
 #include "agents/network_config.h"
 #include "agents/observation_normalizer.h"
 #include "agents/stroke_place.h"
 #include "data/base/random.h"
-#include "env/action.h"
-#include "env/vec_env.h"
 
 namespace sandwright {
 
-// [B, C, H, W] and [B, V], float, on the network's device.
-struct ObservationTensors {
-  torch::Tensor map, vec;
-};
-ObservationTensors ToTensors(const ObservationBatch& batch, const ObservationSpec& spec,
-                             torch::Device device);
-
-// Strokes [N, 7] on the CPU.
-std::vector<Action> ActionsOf(const torch::Tensor& action);
-// The numbers of all of them in a row, as VecEnv::Step takes them.
-std::vector<float> ValuesOf(std::span<const Action> actions);
-
-// auto: cuda where it works, else cpu. Error where cuda is asked for and is not there.
-torch::Device SelectDevice(const std::string& name);
-
-class ActorCritic : public torch::nn::Module {
+class ActorCritic final : public Actor {
  public:
   struct Decision {
     torch::Tensor action, log_prob, value;  // [B, A], [B], [B] on the CPU, no gradients
@@ -57,9 +41,12 @@ class ActorCritic : public torch::nn::Module {
   // densities 1e-5).
   Decision Sample(const ObservationTensors& observation, std::span<RandomStream> streams,
                   int draws = 1);
-  // The most probable bin and the means of the numbers there, or the most probable choice: [B, A] on
-  // the CPU.
-  torch::Tensor Mean(const ObservationTensors& observation);
+  // The most probable bin and the means of the numbers there, or the most probable choice.
+  torch::Tensor Mean(const ObservationTensors& observation) override;
+  torch::Tensor Draw(const ObservationTensors& observation, std::span<RandomStream> streams,
+                     int draws) override {
+    return Sample(observation, streams, draws).action;
+  }
   torch::Tensor Value(const ObservationTensors& observation);
   // For the update: how probable `action` [B * draws, A] is, with gradients; with a map as many consecutive
   // rows an observation as Sample draws. The entropy of the Beta part is that at the given action's place, a

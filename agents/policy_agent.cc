@@ -35,14 +35,14 @@ std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views,
                                      std::span<RandomStream> streams) {
   if (views.empty()) return {};
   const ObservationTensors observation = Observe(views);
-  std::vector<Action> actions = ActionsOf(network_.Mean(observation));
+  std::vector<Action> actions = ActionsOf(actor_.Mean(observation));
   for (size_t i = 0; i < views.size(); ++i) {
     if (views[i].rejected_in_a_row == 0) continue;
     const auto row = [&](const torch::Tensor& t) {
       return t.narrow(0, static_cast<int64_t>(i), 1);
     };
     actions[i] = ActionsOf(
-        network_.Sample({row(observation.map), row(observation.vec)}, streams.subspan(i, 1)).action)[0];
+        actor_.Draw({row(observation.map), row(observation.vec)}, streams.subspan(i, 1), 1))[0];
   }
   return actions;
 }
@@ -50,8 +50,7 @@ std::vector<Action> PolicyAgent::Act(std::span<const TaskView> views,
 std::vector<Action> PolicyAgent::Samples(const TaskView& view, RandomStream& stream,
                                          int64_t count) {
   if (count == 0) return {};
-  return ActionsOf(
-      network_.Sample(Observe({&view, 1}), {&stream, 1}, static_cast<int>(count)).action);
+  return ActionsOf(actor_.Draw(Observe({&view, 1}), {&stream, 1}, static_cast<int>(count)));
 }
 
 }  // namespace sandwright

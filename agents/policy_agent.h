@@ -14,18 +14,18 @@ class PolicyAgent final : public Agent {
   PolicyAgent(std::string name, Policy policy, torch::Device device)
       : name_(std::move(name)),
         card_(policy.card),
-        owned_(std::move(policy.network)),
-        network_(*owned_),
+        owned_(std::move(policy.actor)),
+        actor_(*owned_),
         device_(device) {}
-  // Looks at a network in training, which must outlive it.
-  PolicyAgent(std::string name, const PolicyCard& card, ActorCritic& network, torch::Device device)
-      : name_(std::move(name)), card_(card), network_(network), device_(device) {}
+  // Looks at an actor in training, which must outlive it.
+  PolicyAgent(std::string name, const PolicyCard& card, Actor& actor, torch::Device device)
+      : name_(std::move(name)), card_(card), actor_(actor), device_(device) {}
 
   std::string name() const override { return name_; }
   std::optional<std::array<double, 2>> region_size_m() const override {
     return {{card_.region_width_m, card_.region_depth_m}};
   }
-  // The most probable place and the mean of the rest. Where the last stroke was
+  // The deterministic action of the policy. Where the last stroke was
   // rejected the sand is as it was, so that the same stroke would come again: there the
   // action is drawn from the policy. Throws Error where a view's region is of another
   // size than the one the policy was trained in.
@@ -40,8 +40,8 @@ class PolicyAgent final : public Agent {
 
   std::string name_;
   PolicyCard card_;
-  std::unique_ptr<ActorCritic> owned_;
-  ActorCritic& network_;
+  std::unique_ptr<Actor> owned_;
+  Actor& actor_;
   torch::Device device_;
 };
 

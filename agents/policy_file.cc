@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/ranges.h>
 
+#include "agents/squashed_actor.h"
 #include "agents/trainer.h"
 #include "data/base/error.h"
 #include "data/base/machine.h"
@@ -14,6 +15,10 @@ constexpr const char* kSchema = "sandwright-policy";
 constexpr const char* kVersion = "2";
 constexpr const char* kPrefix = "network.";  // of the weights; a checkpoint holds other tensors too
 constexpr const char* kBlocks = "block";
+// What kind of actor the weights are of; files without it are of the first.
+constexpr const char* kKind = "actor";
+constexpr const char* kPlaces = "places";
+constexpr const char* kSquashed = "squashed";
 
 nlohmann::json SpecToJson(const ObservationSpec& spec) {
   return {{"channels", spec.channels},
@@ -36,15 +41,28 @@ void CheckSame(const nlohmann::json& saved, const nlohmann::json& ours, const ch
                             saved.dump(), ours.dump()));
 }
 
+std::unique_ptr<Actor> MakeActor(const PolicyCard& card) {
+  const ObservationSpec spec = SpecOf(card.observation);
+  RandomStream unused(0);  // every weight is replaced
+  if (const auto* places = std::get_if<NetworkConfig>(&card.network))
+    return std::make_unique<ActorCritic>(spec, kActionSize, *places, unused);
+  const auto& sizes = std::get<SacNetworkConfig>(card.network);
+  return std::make_unique<SquashedActor>(
+      std::make_shared<MapEncoder>(spec, sizes.channels, sizes.features, unused), kActionSize,
+      sizes.hidden, unused);
+}
+
 }  // namespace
 
-Safetensors PackPolicy(const ActorCritic& network, const PolicyCard& card) {
+Safetensors PackPolicy(const Actor& actor, const PolicyCard& card) {
   PolicyCard copy = card;  // field lists point at what they describe
+  const bool squashed = std::holds_alternative<SacNetworkConfig>(card.network);
   Safetensors content;
   content.metadata = {
       {"schema", kSchema},
       {"schema_version", kVersion},
-      {"network", ToJson(FieldsOf(copy.network)).dump()},
+      {kKind, squashed ? kSquashed : kPlaces},
+      {"network", std::visit([](auto& n) { return ToJson(FieldsOf(n)).dump(); }, copy.network)},
       {"observation", ToJson(FieldsOf(copy.observation)).dump()},
       {"observation_spec", SpecToJson(SpecOf(card.observation)).dump()},
       {"action_spec", ActionSpecToJson().dump()},
@@ -53,7 +71,7 @@ Safetensors PackPolicy(const ActorCritic& network, const PolicyCard& card) {
       {"steps", nlohmann::json(card.steps).dump()},
       {"config", card.config.dump()},
       {"commit", BuildCommit()}};
-  SaveWeights(network, kPrefix, content);
+  SaveWeights(actor, kPrefix, content);
   return content;
 }
 
@@ -68,7 +86,13 @@ Policy UnpackPolicy(const Safetensors& content, const std::string& source, torch
   Policy policy;
   PolicyCard& card = policy.card;
   const auto read = [&](const char* key) { return ParsedMetadata(content, key, source); };
-  LoadJson(FieldsOf(card.network), read("network"), source);
+  const auto kind = content.metadata.find(kKind);
+  if (kind != content.metadata.end() && kind->second == kSquashed)
+    card.network = SacNetworkConfig{};
+  else if (kind != content.metadata.end() && kind->second != kPlaces)
+    throw Error(fmt::format("{}: the policy is of an actor '{}'; allowed: {}, {}", source,
+                            kind->second, kPlaces, kSquashed));
+  std::visit([&](auto& n) { LoadJson(FieldsOf(n), read("network"), source); }, card.network);
   LoadJson(FieldsOf(card.observation), read("observation"), source);
   CheckSame(read("observation_spec"), SpecToJson(SpecOf(card.observation)), "observation", source);
   CheckSame(read("action_spec"), ActionSpecToJson(), "action", source);
@@ -81,11 +105,9 @@ Policy UnpackPolicy(const Safetensors& content, const std::string& source, torch
     throw Error(fmt::format("{}: damaged metadata: {}", source, e.what()));
   }
   card.config = read("config");
-  RandomStream unused(0);  // every weight is replaced
-  policy.network =
-      std::make_unique<ActorCritic>(SpecOf(card.observation), kActionSize, card.network, unused);
-  LoadWeights(content, kPrefix, source, *policy.network);
-  policy.network->to(device);
+  policy.actor = MakeActor(card);
+  LoadWeights(content, kPrefix, source, *policy.actor);
+  policy.actor->to(device);
   return policy;
 }
 

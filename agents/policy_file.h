@@ -4,8 +4,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <variant>
 
 #include "agents/networks.h"
+#include "agents/sac_config.h"
 #include "env/observation.h"
 #include "env/safetensors.h"
 
@@ -13,7 +15,7 @@ namespace sandwright {
 
 // What a policy was made for and how.
 struct PolicyCard {
-  NetworkConfig network;
+  std::variant<NetworkConfig, SacNetworkConfig> network;  // an ActorCritic's or a SquashedActor's
   ObservationConfig observation;
   double region_width_m = 0, region_depth_m = 0;  // extent of the region it acts in
   uint64_t seed = 0;
@@ -23,11 +25,11 @@ struct PolicyCard {
 
 struct Policy {
   PolicyCard card;
-  std::unique_ptr<ActorCritic> network;
+  std::unique_ptr<Actor> actor;
 };
 
 // Weights, card, specs of observation and action, and the program's commit.
-Safetensors PackPolicy(const ActorCritic& network, const PolicyCard& card);
+Safetensors PackPolicy(const Actor& actor, const PolicyCard& card);
 
 // Throws Error naming `source` and what differs: another kind of file, other observation channels
 // or action entries than this program's, weights of another network.

@@ -305,10 +305,6 @@ std::map<std::string, double> Ppo::Advance() {
   return scalars;
 }
 
-torch::Tensor Ppo::Mean(const ObservationBatch& observation) {
-  return network_.Mean(ToTensors(observation, env_.observation_spec(), device_)).contiguous();
-}
-
 void Ppo::Save(Safetensors& content) const {
   nlohmann::json state = {{"steps", steps_},
                           {"shuffle", StreamToJson(shuffle_stream_)},

@@ -44,8 +44,7 @@ class Ppo final : public Trainer {
   void RestartEpisodes() override;
   void Save(Safetensors& content) const override;
   void Load(const Safetensors& content, const std::string& source) override;
-  torch::Tensor Mean(const ObservationBatch& observation) override;
-  const torch::nn::Module& network() const override { return network_; }
+  Actor& actor() override { return network_; }
 
  private:
   struct Rollout {  // of this rank's environments

@@ -20,19 +20,19 @@ class ReferenceTraining final : public Training {
   ReferenceTraining(const TrainConfig& config, const TrainRun& run)
       : config_(config),
         run_(run),
+        device_(SelectDevice(config.device)),
         env_(config.reference, static_cast<int>(config.env.num_envs) / run.ranks->size(), run.threads,
              static_cast<uint64_t>(config.env.num_envs / run.ranks->size() * run.ranks->rank())) {
-    const torch::Device device = SelectDevice(config.device);
     if (config.algorithm == "ppo") {
       RandomStream initial(run.seed, StreamId("initial weights"));
       network_ = std::make_unique<ActorCritic>(env_.observation_spec(), env_.action_size(),
                                                config.network, initial, env_.choices());
       trainer_ = std::make_unique<Ppo>(env_, *network_, config.ppo, config.total_steps, run.seed,
-                                       device, *run.ranks);
+                                       device_, *run.ranks);
     } else {
       CriticRule rule =
           config.algorithm == "tqc" ? TruncatedQuantileCritics(config.tqc) : TwinCritics();
-      trainer_ = std::make_unique<Sac>(env_, config.sac, std::move(rule), run.seed, device);
+      trainer_ = std::make_unique<Sac>(env_, config.sac, std::move(rule), run.seed, device_);
     }
   }
 
@@ -65,7 +65,7 @@ class ReferenceTraining final : public Training {
                         {"steps", nlohmann::json(trainer_->steps()).dump()},
                         {"config", ToJson(FieldsOf(config_)).dump()},
                         {"commit", BuildCommit()}};
-    SaveWeights(trainer_->network(), "network.", content);
+    SaveWeights(trainer_->actor(), "network.", content);
     return content;
   }
 
@@ -95,7 +95,8 @@ class ReferenceTraining final : public Training {
     std::vector<std::optional<double>> first(static_cast<size_t>(env.num_envs()));
     for (size_t left = first.size(); left > 0;) {
       if (StopRequested()) return {};
-      const auto action = trainer_->Mean(observation);
+      const auto action =
+          trainer_->actor().Mean(ToTensors(observation, env.observation_spec(), device_));
       StepBatch step =
           env.Step({action.data_ptr<float>(), static_cast<size_t>(action.numel())});
       auto finished = step.finished.begin();
@@ -113,6 +114,7 @@ class ReferenceTraining final : public Training {
 
   TrainConfig config_;
   TrainRun run_;
+  torch::Device device_;
   ReferenceVecEnv env_;
   std::unique_ptr<ActorCritic> network_;  // of PPO
   std::unique_ptr<Trainer> trainer_;

@@ -9,31 +9,27 @@
 
 namespace sandwright {
 namespace {
-constexpr const char* kRows = "replay";
-constexpr const char* kNext = "replay.next";
+constexpr const char* kRows = "transitions";
+constexpr const char* kNext = "transitions.next";
 }  // namespace
 
-ReplayBuffer::ReplayBuffer(int64_t observation_size, int64_t action_size, int64_t capacity)
-    : observation_size_(observation_size), action_size_(action_size), capacity_(capacity) {
-  SAND_CHECK(observation_size > 0 && action_size > 0 && capacity > 0);
+ReplayBuffer::ReplayBuffer(const ObservationSpec& spec, int64_t action_size, int64_t capacity)
+    : spec_(spec), action_size_(action_size), capacity_(capacity) {
+  SAND_CHECK(observation_size() > 0 && action_size > 0 && capacity > 0);
 }
 
-void ReplayBuffer::Add(const ObservationBatch& before, std::span<const float> action_na,
-                       const StepBatch& step) {
-  const auto width = static_cast<size_t>(observation_size_),
-             actions = static_cast<size_t>(action_size_), row = static_cast<size_t>(row_size());
-  for (size_t i = 0; i < step.reward.size(); ++i) {
-    if (size() < capacity_) values_.resize(values_.size() + row);
-    const bool ended = step.terminated[i] || step.truncated[i];
-    const auto& after = ended ? step.final_observation.vec : step.observation.vec;
-    auto out = values_.begin() + next_ * row_size();
-    out = std::ranges::copy(std::span(before.vec).subspan(i * width, width), out).out;
-    out = std::ranges::copy(action_na.subspan(i * actions, actions), out).out;
-    out = std::ranges::copy(std::span(after).subspan(i * width, width), out).out;
-    *out++ = step.reward[i];
-    *out++ = step.terminated[i] ? 0.0f : 1.0f;
-    next_ = (next_ + 1) % capacity_;
-  }
+void ReplayBuffer::Add(std::span<const float> observation, std::span<const float> action,
+                       std::span<const float> next_observation, float reward, float discount) {
+  SAND_CHECK(std::ssize(observation) == observation_size() && std::ssize(action) == action_size_ &&
+                 std::ssize(next_observation) == observation_size(),
+             observation.size(), action.size(), next_observation.size());
+  if (size() < capacity_) values_.resize(values_.size() + static_cast<size_t>(row_size()));
+  auto out = values_.begin() + next_ * row_size();
+  for (const auto& part : {observation, action, next_observation})
+    out = std::ranges::copy(part, out).out;
+  *out++ = reward;
+  *out++ = discount;
+  next_ = (next_ + 1) % capacity_;
 }
 
 Transitions ReplayBuffer::Sample(int64_t count, RandomStream& stream, torch::Device device) const {
@@ -44,9 +40,14 @@ Transitions ReplayBuffer::Sample(int64_t count, RandomStream& stream, torch::Dev
     std::copy_n(values_.begin() + drawn * row_size(), row_size(),
                 rows.data_ptr<float>() + i * row_size());
   }
-  const auto parts = rows.to(device).split_with_sizes(
-      {observation_size_, action_size_, observation_size_, 1, 1}, 1);
-  return {parts[0], parts[1], parts[2], parts[3], parts[4]};
+  const int64_t map = spec_.map_size(), vec = spec_.vec_size();
+  const auto parts = rows.to(device).split_with_sizes({map, vec, action_size_, map, vec, 1, 1}, 1);
+  const auto observed = [&](size_t part) {
+    return ObservationTensors{
+        parts[part].reshape({count, std::ssize(spec_.channels), spec_.rows, spec_.columns}),
+        parts[part + 1]};
+  };
+  return {observed(0), parts[2], observed(3), parts[5], parts[6]};
 }
 
 void ReplayBuffer::Save(Safetensors& content) const {

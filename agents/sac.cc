@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "agents/colored_noise.h"
-#include "agents/networks.h"
+#include "agents/symmetry.h"
 #include "data/base/error.h"
 
 namespace sandwright {
@@ -18,8 +18,6 @@ constexpr int64_t kNoiseLength = 1024;  // steps of one series of coloured noise
 constexpr const char* kState = "sac_state";
 
 const ObservationSpec& CheckedSpec(const VecEnv& env) {
-  if (env.observation_spec().map_size() > 0)
-    throw Error("SAC and TQC learn from numbers, not from a map; allowed here: algorithm = ppo");
   if (env.choices() > 0)
     throw Error(fmt::format(
         "SAC and TQC act by numbers, this task by one of {} choices; allowed here: algorithm = ppo",
@@ -40,25 +38,32 @@ CriticRule TwinCritics() {
           .value = [least](const torch::Tensor& q) { return least(q).squeeze(-1); }};
 }
 
-Sac::Sac(VecEnv& env, const SacConfig& config, CriticRule rule, uint64_t seed, torch::Device device)
+Sac::Sac(VecEnv& env, const SacConfig& config, CriticRule rule, uint64_t seed, torch::Device device,
+         int symmetries)
     : env_(env),
       config_(config),
       rule_(std::move(rule)),
       seed_(seed),
       device_(device),
+      symmetries_(symmetries),
       initial_stream_(seed, StreamId("initial weights")),
       replay_stream_(seed, StreamId("sac replay")),
       policy_stream_(seed, StreamId("sac policy")),
-      actor_(1, CheckedSpec(env).vec_size(), config.hidden, 2 * env.action_size(), initial_stream_),
-      critics_(rule_.critics, env.observation_spec().vec_size() + env.action_size(), config.hidden,
-               rule_.outputs, initial_stream_),
-      targets_(rule_.critics, env.observation_spec().vec_size() + env.action_size(), config.hidden,
-               rule_.outputs, initial_stream_),
+      encoder_(std::make_shared<MapEncoder>(CheckedSpec(env), config.network.channels,
+                                            config.network.features, initial_stream_)),
+      actor_(encoder_, env.action_size(), config.network.hidden, initial_stream_),
+      critics_(encoder_, rule_.critics, env.action_size(), config.network.hidden, rule_.outputs,
+               initial_stream_),
+      targets_(std::make_shared<MapEncoder>(env.observation_spec(), config.network.channels,
+                                            config.network.features, initial_stream_),
+               rule_.critics, env.action_size(), config.network.hidden, rule_.outputs,
+               initial_stream_),
       log_temperature_(torch::zeros({1}, device).requires_grad_()),
-      actor_adam_((actor_.to(device), actor_.parameters()), kAdamEpsilon),
+      actor_adam_((actor_.to(device), actor_.OwnParameters()), kAdamEpsilon),
       critic_adam_((critics_.to(device), critics_.parameters()), kAdamEpsilon),
       temperature_adam_({log_temperature_}, kAdamEpsilon),
-      replay_(env.observation_spec().vec_size(), env.action_size(), config.buffer_size) {
+      n_step_(env.observation_spec(), config.n_step, config.gamma),
+      replay_(env.observation_spec(), env.action_size(), config.buffer_size) {
   targets_.to(device);
   MoveTargets(1);
   RestartEpisodes();
@@ -66,6 +71,7 @@ Sac::Sac(VecEnv& env, const SacConfig& config, CriticRule rule, uint64_t seed, t
 
 void Sac::RestartEpisodes() {
   observation_ = env_.Reset(EpisodesSeed(seed_, steps()));
+  n_step_.Forget();
   const uint64_t noise_seed =
       RandomStream(seed_, StreamId("sac noise"), static_cast<uint64_t>(steps())).Next64();
   noises_.clear();
@@ -100,16 +106,26 @@ torch::Tensor Sac::Explore() {
   }
   // The normal distribution's integral makes normal noise, of any colour, uniform.
   if (steps() < config_.random_steps) return torch::erf(noise * std::sqrt(0.5));
-  const auto seen = ToTensors(observation_, env_.observation_spec(), device_).vec;
-  const auto p = SquashedFromOutputs(actor_.Forward(seen).squeeze(0));
+  const auto seen = ToTensors(observation_, env_.observation_spec(), device_);
+  const auto p = actor_.Distribution(actor_.Features(seen));
   return Squash(p, noise.to(device_)).action.to(torch::kCPU).contiguous();
 }
 
-SquashedDraw Sac::DrawFresh(const torch::Tensor& observation) {
-  auto noise = torch::empty({observation.size(0), env_.action_size()});
+Transitions Sac::Replay() {
+  Transitions batch = replay_.Sample(config_.batch_size, replay_stream_, device_);
+  if (symmetries_ == 1) return batch;
+  const auto symmetry = static_cast<int>(replay_stream_.Index(static_cast<uint64_t>(symmetries_)));
+  for (auto* seen : {&batch.observation, &batch.next_observation})
+    seen->map = Transformed(seen->map, symmetry);
+  batch.action = TransformedAction(batch.action, symmetry);
+  return batch;
+}
+
+SquashedDraw Sac::DrawFresh(const torch::Tensor& features) {
+  auto noise = torch::empty({features.size(0), env_.action_size()});
   for (int64_t i = 0; i < noise.numel(); ++i)
     noise.data_ptr<float>()[i] = static_cast<float>(policy_stream_.Normal());
-  return Squash(SquashedFromOutputs(actor_.Forward(observation).squeeze(0)), noise.to(device_));
+  return Squash(actor_.Distribution(features), noise.to(device_));
 }
 
 void Sac::MoveTargets(double share) {
@@ -119,28 +135,28 @@ void Sac::MoveTargets(double share) {
 }
 
 void Sac::GradientStep(Sums& sums) {
-  const Transitions batch = replay_.Sample(config_.batch_size, replay_stream_, device_);
+  const Transitions batch = Replay();
   const double alpha = temperature();
 
   // Equations 5 and 6: the critics, towards reward and the soft value of what follows.
   torch::Tensor target;
   {
     const torch::NoGradGuard no_grad;
-    const SquashedDraw next = DrawFresh(batch.next_observation);
-    const auto q = targets_.Forward(torch::cat({batch.next_observation, next.action}, 1));
+    const SquashedDraw next = DrawFresh(actor_.Features(batch.next_observation));
+    const auto q = targets_.Forward(batch.next_observation, next.action);
     const auto soft = rule_.next_value(q) - alpha * next.log_prob.unsqueeze(1);
-    target = batch.reward + config_.gamma * batch.goes_on * soft;
+    target = batch.reward + batch.discount * soft;
   }
-  const auto q = critics_.Forward(torch::cat({batch.observation, batch.action}, 1));
+  const auto q = critics_.Forward(batch.observation, batch.action);
   const auto critic_loss = rule_.loss(q, target);
   critic_adam_.ZeroGradients();
   critic_loss.backward();
   critic_adam_.Step(config_.learning_rate);
 
   // Equation 9: the actor.
-  const SquashedDraw draw = DrawFresh(batch.observation);
-  const auto value =
-      rule_.value(critics_.ForwardFrozen(torch::cat({batch.observation, draw.action}, 1)));
+  const auto features = actor_.Features(batch.observation);
+  const SquashedDraw draw = DrawFresh(features);
+  const auto value = rule_.value(critics_.ForwardFrozen(features, draw.action));
   const auto actor_loss = (alpha * draw.log_prob - value).mean();
   actor_adam_.ZeroGradients();
   actor_loss.backward();
@@ -173,7 +189,7 @@ std::map<std::string, double> Sac::Advance() {
                                            static_cast<size_t>(action.numel()));
     StepBatch step = env_.Step(action_na);
     CheckFinite(step);
-    replay_.Add(observation_, action_na, step);
+    n_step_.Add(observation_, action_na, step, replay_);
     for (size_t i = 0; i < noises_.size(); ++i)
       if (step.terminated[i] || step.truncated[i]) Renew(noises_[i]);
     std::ranges::move(step.finished, std::back_inserter(finished));
@@ -192,14 +208,6 @@ std::map<std::string, double> Sac::Advance() {
   scalars["train/ent_coef"] = temperature();
   scalars["train/learning_rate"] = config_.learning_rate;
   return scalars;
-}
-
-torch::Tensor Sac::Mean(const ObservationBatch& observation) {
-  const torch::NoGradGuard no_grad;
-  const auto seen = ToTensors(observation, env_.observation_spec(), device_).vec;
-  return torch::tanh(SquashedFromOutputs(actor_.Forward(seen).squeeze(0)).mean)
-      .to(torch::kCPU)
-      .contiguous();
 }
 
 void Sac::Save(Safetensors& content) const {

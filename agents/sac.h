@@ -1,16 +1,18 @@
-// Soft actor-critic with a learnt temperature (Haarnoja et al., arXiv 1812.05905), for observations
-// without a map and actions that are numbers.
+// Soft actor-critic with a learnt temperature (Haarnoja et al., arXiv 1812.05905), for actions that are
+// numbers. What a map shows is learnt by the critics alone; the actor reads it from them (Yarats et al.,
+// ICLR 2022).
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <vector>
 
+#include "agents/critics.h"
 #include "agents/flat_adam.h"
-#include "agents/perceptron.h"
+#include "agents/n_step.h"
 #include "agents/replay_buffer.h"
 #include "agents/sac_config.h"
-#include "agents/squashed_gaussian.h"
+#include "agents/squashed_actor.h"
 #include "agents/trainer.h"
 
 namespace sandwright {
@@ -31,16 +33,17 @@ CriticRule TwinCritics();
 
 class Sac final : public Trainer {
  public:
-  // Throws Error where the observation has a map or the action is a choice.
-  Sac(VecEnv& env, const SacConfig& config, CriticRule rule, uint64_t seed, torch::Device device);
+  // `symmetries`: how many the environment has (symmetry.h), of which each batch is shown one; 1: none. Throws
+  // Error where the action is a choice.
+  Sac(VecEnv& env, const SacConfig& config, CriticRule rule, uint64_t seed, torch::Device device,
+      int symmetries = 1);
 
   std::map<std::string, double> Advance() override;
   int64_t steps() const override { return rounds_ * env_.num_envs(); }
   void RestartEpisodes() override;
   void Save(Safetensors& content) const override;
   void Load(const Safetensors& content, const std::string& source) override;
-  torch::Tensor Mean(const ObservationBatch& observation) override;
-  const torch::nn::Module& network() const override { return actor_; }
+  Actor& actor() override { return actor_; }
 
  private:
   // Sums over the gradient steps of a stretch.
@@ -59,7 +62,8 @@ class Sac final : public Trainer {
   torch::Tensor Explore();
   void Renew(Noise& noise) const;
   void GradientStep(Sums& sums);
-  SquashedDraw DrawFresh(const torch::Tensor& observation);
+  Transitions Replay();
+  SquashedDraw DrawFresh(const torch::Tensor& features);
   // By `share` of the way to the critics.
   void MoveTargets(double share);
   double temperature() const;
@@ -69,12 +73,16 @@ class Sac final : public Trainer {
   CriticRule rule_;
   uint64_t seed_;
   torch::Device device_;
+  int symmetries_;
   int64_t rounds_ = 0;  // steps of each environment
   RandomStream initial_stream_, replay_stream_, policy_stream_;
   std::vector<Noise> noises_;  // one an environment
-  Perceptron actor_, critics_, targets_;
+  std::shared_ptr<MapEncoder> encoder_;  // of actor and critics
+  SquashedActor actor_;
+  Critics critics_, targets_;
   torch::Tensor log_temperature_;  // [1]
   FlatAdam actor_adam_, critic_adam_, temperature_adam_;
+  NStep n_step_;
   ReplayBuffer replay_;
   ObservationBatch observation_;
 };

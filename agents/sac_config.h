@@ -5,13 +5,27 @@
 
 namespace sandwright {
 
+// Of actor and critics.
+struct SacNetworkConfig {
+  int64_t hidden = 256;
+  int64_t channels = 16, features = 64;
+
+  void Fields(FieldList& f) {
+    f.Add("hidden", hidden, "width of the two hidden layers of actor and critics", 1, 4096);
+    f.Add("channels", channels, "feature channels of a map at half its resolution, twice below", 1, 256);
+    f.Add("features", features, "numbers that a map becomes", 1, 4096);
+  }
+};
+
 struct SacConfig {
   double learning_rate = 3e-4;
   double gamma = 0.99, target_share = 0.005;
   int64_t batch_size = 256, buffer_size = 1000000;
   int64_t random_steps = 100;
   int64_t train_every = 1, gradient_steps = 1;
-  int64_t hidden = 256;
+  int64_t n_step = 1;
+  bool symmetry = true;
+  SacNetworkConfig network;
   double temperature = 0;
   double noise_color = 0;
 
@@ -25,7 +39,10 @@ struct SacConfig {
           1e9);
     f.Add("train_every", train_every, "steps of each environment between gradient steps", 1, 1e6);
     f.Add("gradient_steps", gradient_steps, "gradient steps then", 1, 1e6);
-    f.Add("hidden", hidden, "width of the two hidden layers of actor and critics", 1, 4096);
+    f.Add("n_step", n_step, "steps whose rewards a target takes as they came, before it estimates the rest", 1,
+          1000);
+    f.Add("symmetry", symmetry, "learn each batch of strokes mirrored or turned; the arm is neither");
+    network.Fields(f);
     f.Add("temperature", temperature,
           "reward a nat of entropy; 0: learnt, for an entropy of minus the action's size", 0, 1e3);
     f.Add("noise_color", noise_color,

@@ -8,6 +8,8 @@
 #include "agents/group_gradient.h"
 #include "agents/policy_agent.h"
 #include "agents/ppo.h"
+#include "agents/symmetry.h"
+#include "agents/tqc.h"
 #include "agents/training.h"
 #include "data/base/error.h"
 #include "env/load_gate.h"
@@ -54,22 +56,11 @@ class SandTraining final : public Training {
         world_{*sand_, gate_.get(), run.threads},
         env_(ShareOf(config.env, *run.ranks), world_, TrainingTasks(config), Autoreset::kSameStep,
              FirstRow(config.env, *run.ranks)),
-        initial_(run.seed, StreamId("initial weights")),
-        network_(env_.observation_spec(), env_.action_size(), config.network, initial_),
         validation_(ValidationTasks(config, run.seed)) {
-    if (!config.initial_policy.empty())
-      LoadPolicyWeights(ReadSafetensors(config.initial_policy), config.initial_policy, network_);
-    if (config.algorithm == "ppo")
-      trainer_ = std::make_unique<Ppo>(env_, network_, config.ppo, config.total_steps, run.seed,
-                                       device_, *run.ranks);
-    else if (config.algorithm == "group_gradient")
-      trainer_ = std::make_unique<GroupGradient>(env_, world_, config_.env.episode, network_, config.group,
-                                                 config.total_steps, run.seed, device_);
+    if (config.algorithm == "sac" || config.algorithm == "tqc")
+      MakeSac(run.seed);
     else
-      trainer_ = std::make_unique<ExpertIteration>(env_, world_, config_.env.episode, network_,
-                                                   config.expert, config.total_steps, run.seed,
-                                                   device_);
-    card_.network = config.network;
+      MakeActorCritic(run);
     card_.observation = config.env.observation;
     const EpisodeConfig& episode = config.env.episode;
     card_.region_width_m =
@@ -83,7 +74,7 @@ class SandTraining final : public Training {
   Trainer& trainer() override { return *trainer_; }
 
   std::optional<Verdict> Evaluate() override {
-    PolicyAgent agent("policy", card_, network_, device_);
+    PolicyAgent agent("policy", card_, trainer_->actor(), device_);
     const Evaluation result =
         sandwright::Evaluate(agent, world_, config_.env.episode, validation_, seed_);
     if (result.stopped) return {};
@@ -111,7 +102,7 @@ class SandTraining final : public Training {
 
   Safetensors Pack() override {
     card_.steps = trainer_->steps();
-    return PackPolicy(network_, card_);
+    return PackPolicy(trainer_->actor(), card_);
   }
 
   void CheckSame(const Safetensors& checkpoint, const std::string& source) const override {
@@ -126,6 +117,43 @@ class SandTraining final : public Training {
   }
 
  private:
+  void MakeActorCritic(const TrainRun& run) {
+    RandomStream initial(run.seed, StreamId("initial weights"));
+    network_ = std::make_unique<ActorCritic>(env_.observation_spec(), env_.action_size(),
+                                             config_.network, initial);
+    card_.network = config_.network;
+    if (!config_.initial_policy.empty())
+      LoadPolicyWeights(ReadSafetensors(config_.initial_policy), config_.initial_policy, *network_);
+    const EpisodeConfig& episode = config_.env.episode;
+    if (config_.algorithm == "ppo")
+      trainer_ = std::make_unique<Ppo>(env_, *network_, config_.ppo, config_.total_steps, run.seed,
+                                       device_, *run.ranks);
+    else if (config_.algorithm == "group_gradient")
+      trainer_ = std::make_unique<GroupGradient>(env_, world_, episode, *network_, config_.group,
+                                                 config_.total_steps, run.seed, device_);
+    else
+      trainer_ = std::make_unique<ExpertIteration>(env_, world_, episode, *network_, config_.expert,
+                                                   config_.total_steps, run.seed, device_);
+  }
+
+  void MakeSac(uint64_t seed) {
+    if (!config_.initial_policy.empty())
+      throw Error(fmt::format("initial_policy = {}: algorithm = {} starts anew; allowed: empty",
+                              config_.initial_policy, config_.algorithm));
+    CriticRule rule =
+        config_.algorithm == "tqc" ? TruncatedQuantileCritics(config_.tqc) : TwinCritics();
+    trainer_ = std::make_unique<Sac>(env_, config_.sac, std::move(rule), seed, device_, Symmetries());
+    card_.network = config_.sac.network;
+  }
+
+  int Symmetries() const {
+    if (!config_.sac.symmetry) return 1;
+    const ObservationSpec& spec = env_.observation_spec();
+    const Region& region = env_.episodes()[0].region;
+    return spec.rows == spec.columns && region.width_m == region.depth_m ? kSymmetriesOfSquare
+                                                                         : kSymmetriesOfRectangle;
+  }
+
   TrainConfig config_;
   uint64_t seed_;
   torch::Device device_;
@@ -133,9 +161,8 @@ class SandTraining final : public Training {
   std::unique_ptr<const SafetyGate> gate_;
   World world_;
   ShapingEnv env_;
-  RandomStream initial_;
-  ActorCritic network_;
   std::vector<Task> validation_;
+  std::unique_ptr<ActorCritic> network_;  // not of SAC and TQC, which have their own
   std::unique_ptr<Trainer> trainer_;
   PolicyCard card_;
 };
@@ -143,10 +170,6 @@ class SandTraining final : public Training {
 }  // namespace
 
 std::unique_ptr<Training> MakeSandTraining(const TrainConfig& config, const TrainRun& run) {
-  if (config.algorithm == "sac" || config.algorithm == "tqc")
-    throw Error(fmt::format("algorithm = {} learns from numbers, the sand is seen as a map; allowed: "
-                            "ppo, expert_iteration, group_gradient, or a reference task",
-                            config.algorithm));
   return std::make_unique<SandTraining>(config, run);
 }
 

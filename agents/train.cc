@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include "agents/networks.h"
 #include "agents/rank_guard.h"
 #include "agents/run_folder.h"
 #include "agents/run_log.h"

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "agents/actor.h"
 #include "data/base/random.h"
 #include "env/safetensors.h"
 #include "env/vec_env.h"
@@ -33,9 +34,7 @@ class Trainer {
   virtual void Save(Safetensors& content) const = 0;
   virtual void Load(const Safetensors& content, const std::string& source) = 0;
 
-  // The deterministic policy: [B, A] on the CPU, and its network.
-  virtual torch::Tensor Mean(const ObservationBatch& observation) = 0;
-  virtual const torch::nn::Module& network() const = 0;
+  virtual Actor& actor() = 0;  // the policy, as far as it has learnt
 };
 
 // rollout/ep_rew_mean, rollout/ep_len_mean, rollout/success_rate and rollout/<metric> of finished

@@ -37,7 +37,7 @@ class Training {
   virtual nlohmann::json Result(const Verdict& last, double least_cost) const = 0;
 };
 
-// PPO or expert iteration on the sand; Error for another algorithm.
+// Any algorithm on the sand.
 std::unique_ptr<Training> MakeSandTraining(const TrainConfig& config, const TrainRun& run);
 // Any algorithm on the reference task of that name; the final evaluation is the result.
 std::unique_ptr<Training> MakeReferenceTraining(const TrainConfig& config, const TrainRun& run);

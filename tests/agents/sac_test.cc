@@ -114,7 +114,8 @@ struct Trainee {
              .random_steps = 40,
              .train_every = 4,
              .gradient_steps = 2,
-             .hidden = 16,
+             .n_step = 3,
+             .network = {.hidden = 16},
              .noise_color = noise_color},
             std::move(rule), seed, torch::kCPU) {}
   std::map<std::string, std::vector<float>> State() const {
@@ -162,7 +163,7 @@ TEST(Sac, ForeignStateIsRefused) {
   EXPECT_THROW(sac.sac.Load(saved, "file"), Error);
   tqc.sac.Save(saved);
   EXPECT_THAT([&] { sac.sac.Load(saved, "file"); },
-              ThrowsMessage<Error>(HasSubstr("file: weights 'weight2' have shape [2, 16, 25]")));
+              ThrowsMessage<Error>(HasSubstr("file: weights 'heads.weight2' have shape [2, 16, 25]")));
 }
 
 TEST(Sac, ChoicesAreRefused) {
@@ -201,26 +202,40 @@ class EndlessReward final : public VecEnv {
 
 TEST(SacLearning, TruncationGoesOnAndTerminationDoesNot) {
   torch::set_num_threads(1);
-  for (const bool terminates : {false, true}) {
+  for (const auto& [terminates, n_step] : {std::pair<bool, int64_t>{false, 1}, {true, 1}, {false, 3}, {true, 3}}) {
     EndlessReward env(terminates);
     Sac sac(env,
             {.learning_rate = 3e-3,
              .gamma = 0.8,
              .target_share = 0.1,
              .batch_size = 32,
-             .hidden = 16,
+             .n_step = n_step,
+             .network = {.hidden = 16},
              .temperature = 1e-6},
             TwinCritics(), 1, torch::kCPU);
     for (int i = 0; i < 3; ++i) sac.Advance();
-    // For ever 1 / (1 - 0.8) = 5. Terminated with even odds: v = 1 + 0.4 v.
+    // For ever 1 / (1 - 0.8) = 5. Terminated with even odds: v = 1 + 0.4 v; the rewards of more steps tell a
+    // first step (1 + 0.8) from a last one (1), which look alike.
     Safetensors saved;
     sac.Save(saved);
     RandomStream unused(0);
     Perceptron critics(2, 2, 16, 1, unused);
-    LoadWeights(saved, "critics.", "test", critics);
+    LoadWeights(saved, "critics.heads.", "test", critics);
     const auto q = critics.Forward(torch::tensor({{1.0f, 0.0f}}));
-    EXPECT_NEAR(q.mean().item<double>(), terminates ? 1 / 0.6 : 5.0, terminates ? 0.2 : 0.4);
+    const double expected = !terminates ? 5.0 : n_step == 1 ? 1 / 0.6 : (1.8 + 1) / 2;
+    EXPECT_NEAR(q.mean().item<double>(), expected, terminates ? 0.2 : 0.4);
   }
+}
+
+TEST(SacLearning, HitsTheSpotOfAMap) {
+  torch::set_num_threads(1);
+  HitTheSpot env(8);
+  Sac sac(env, {.learning_rate = 1e-3, .batch_size = 64, .buffer_size = 4000, .train_every = 8,
+                .gradient_steps = 8, .network = {.hidden = 64, .channels = 8, .features = 32}},
+          TwinCritics(), 1, torch::kCPU);
+  std::map<std::string, double> first, last;
+  for (int i = 0; i < 6; ++i) (i == 0 ? first : last) = sac.Advance();
+  EXPECT_GT(last.at("rollout/ep_rew_mean"), first.at("rollout/ep_rew_mean") + 0.3);
 }
 
 TEST(SacLearning, WalksToTheTarget) {
@@ -231,7 +246,7 @@ TEST(SacLearning, WalksToTheTarget) {
                            .gamma = 0.9,
                            .target_share = 0.02,
                            .batch_size = 64,
-                           .hidden = 32};
+                           .network = {.hidden = 32}};
     Sac sac(env, config, quantiles ? TruncatedQuantileCritics({}) : TwinCritics(), 1, torch::kCPU);
     std::map<std::string, double> last;
     for (int i = 0; i < 8; ++i) last = sac.Advance();
