@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "agents/row_ring.h"
 #include "agents/tensors.h"
-#include "data/base/random.h"
-#include "env/safetensors.h"
+#include "env/action.h"
 
 namespace sandwright {
 
@@ -17,29 +17,24 @@ class AdviceBuffer {
     torch::Tensor action;            // [B, 7]
   };
 
-  // `keep` strokes a state. Memory grows until `capacity` states are there; then the oldest is
-  // overwritten.
+  // `keep` strokes a state, of the last `capacity` states.
   AdviceBuffer(const ObservationSpec& spec, int64_t keep, int64_t capacity);
 
   // `map` and `vec` of one observation; 1 to `keep` strokes with their positive weights.
   void Add(std::span<const float> map, std::span<const float> vec, std::span<const Action> actions,
            std::span<const double> weights);
-  int64_t size() const { return static_cast<int64_t>(values_.size()) / row_size(); }
+  int64_t size() const { return rows_.size(); }
 
   // Independent draws, each state with one of its strokes, drawn by weight; size() > 0.
   Examples Sample(int64_t count, RandomStream& stream) const;
 
-  void Save(Safetensors& content) const;
-  // Throws Error naming `source` where the rows are of another size or more than the capacity.
-  void Load(const Safetensors& content, const std::string& source);
+  void Save(Safetensors& content) const { rows_.Save(content); }
+  void Load(const Safetensors& content, const std::string& source) { rows_.Load(content, source); }
 
  private:
-  int64_t row_size() const;
-
   ObservationSpec spec_;
-  int64_t keep_, capacity_;
-  int64_t next_ = 0;           // row that is written next
-  std::vector<float> values_;  // [size, row_size]: map, vec, strokes, the sums of their shares so far
+  int64_t keep_;
+  RowRing rows_;  // map, vec, strokes, the sums of their shares so far
 };
 
 }  // namespace sandwright

@@ -89,9 +89,9 @@ TEST(ReplayBuffer, ForeignRowsAreRefused) {
   Filled(10).Save(content);
   ReplayBuffer wider(TwoNumbers(), 2, 10), smaller(TwoNumbers(), 1, 2);
   EXPECT_THAT([&] { wider.Load(content, "file"); },
-              ThrowsMessage<Error>(HasSubstr("file: the replay buffer belongs to another task")));
+              ThrowsMessage<Error>(HasSubstr("file: the rows of transitions are of another task")));
   EXPECT_THAT([&] { smaller.Load(content, "file"); },
-              ThrowsMessage<Error>(HasSubstr("holds 3 transitions; allowed by buffer_size: 2")));
+              ThrowsMessage<Error>(HasSubstr("transitions has 3 rows; allowed by buffer_size: 2")));
   content.metadata["transitions.next"] = "7";
   ReplayBuffer same(TwoNumbers(), 1, 10);
   EXPECT_THAT([&] { same.Load(content, "file"); }, ThrowsMessage<Error>(HasSubstr("cursor")));
