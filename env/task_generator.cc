@@ -103,6 +103,22 @@ HeightMap DrawLettersGoal(const TaskConfig& config, const HeightMap& terrain, co
   return MakeDrawnGoal(grey, raised ? range_m : -range_m, terrain, place, config.narrowest_m, slope);
 }
 
+// Throws Error where a letter may be asked for in a place that it does not fit into.
+void CheckLettersFit(const TaskConfig& config, const HeightMap& terrain) {
+  constexpr double kLines = 10.0 / 3;  // side of the least place that any letter fits into, in widths of its lines
+  if (std::ranges::find(config.goals, kLetters) == config.goals.end()) return;
+  const auto side_m = [](double goal_m, double box_m) { return goal_m > 0 ? goal_m : box_m; };
+  const double whole_m = std::min(side_m(config.goal_width_m, terrain.width_m()),
+                                  side_m(config.goal_depth_m, terrain.depth_m()));
+  const double least_m = std::round(std::sqrt(config.area_low) * whole_m / terrain.cell_size_m) *
+                         terrain.cell_size_m;  // places are of whole cells
+  const double widest_m = least_m / kLines;
+  if (config.narrowest_m <= widest_m + 1e-9) return;
+  throw Error(fmt::format("narrowest_m = {}: letters of such lines do not fit into the least places, of {:.3f} m "
+                          "(area_low = {}); allowed there: up to {:.3f} m, or goals without letters",
+                          config.narrowest_m, least_m, config.area_low, widest_m));
+}
+
 void Flatten(HeightMap& map, double about_m, double factor) {
   for (float& h : map.height_m) h = static_cast<float>(about_m + factor * (h - about_m));
 }
@@ -116,6 +132,7 @@ HeightMap DrawTerrain(const TaskConfig& config, RandomStream& stream) {
 }
 
 Task GenerateGoal(const TaskConfig& config, const HeightMap& terrain, RandomStream& stream) {
+  CheckLettersFit(config, terrain);
   const Region place = DrawPlace(config, terrain, stream);
   const std::string& kind = DrawKind(config, stream);
   const int budget = static_cast<int>(config.max_strokes);

@@ -247,7 +247,13 @@ TEST(TaskGenerator, SaysWhatIsWrong) {
                 c.goals = {"letters"};
                 c.narrowest_m = 0.15;
               }),
-              ThrowsMessage<Error>(HasSubstr("does not fit into")));
+              ThrowsMessage<Error>(HasSubstr("do not fit into the least places, of 0.300 m (area_low = 1)")));
+  // At once, not only when a small place happens to meet a wide letter.
+  EXPECT_THAT(generate([](TaskConfig& c) {
+                c.goals = {"level", "level", "level", "letters"};
+                c.area_low = 0.1;
+              }),
+              ThrowsMessage<Error>(HasSubstr("of 0.090 m (area_low = 0.1); allowed there: up to 0.027 m")));
   EXPECT_THAT(generate([](TaskConfig& c) { c.goals.clear(); }),
               ThrowsMessage<Error>(HasSubstr("goals is empty")));
   EXPECT_THAT(generate([](TaskConfig& c) { c.difficulty_high_m = 0.001; }),
