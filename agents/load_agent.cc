@@ -1,7 +1,9 @@
 #include "agents/load_agent.h"
 
-#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "agents/policy_agent.h"
@@ -13,16 +15,25 @@
 namespace sandwright {
 namespace {
 
+// data/models has a card of each.
+constexpr std::array kShippedPolicies = {"default", "sampler", "walled"};
+
+bool IsShipped(const std::string& name) { return std::ranges::find(kShippedPolicies, name) != kShippedPolicies.end(); }
+
 std::filesystem::path PolicyPath(const std::string& name_or_file) {
-  if (name_or_file == "default") return ShippedFile("models/default_policy.safetensors");
-  if (name_or_file == "sampler") return ShippedFile("models/sampler_policy.safetensors");
+  if (IsShipped(name_or_file)) return ShippedFile(fmt::format("models/{}_policy.safetensors", name_or_file));
   return name_or_file;
+}
+
+bool IsPolicy(const std::string& name_or_file) {
+  return IsShipped(name_or_file) || name_or_file.ends_with(".safetensors");
 }
 
 std::unique_ptr<PolicyAgent> LoadPolicy(const std::string& name_or_file, const AgentOptions& options) {
   const std::filesystem::path file = PolicyPath(name_or_file);
   if (file.extension() != ".safetensors")
-    throw Error(fmt::format("no policy '{}'; allowed: default, sampler or a .safetensors file", name_or_file));
+    throw Error(fmt::format("no policy '{}'; allowed: {} or a .safetensors file", name_or_file,
+                            fmt::join(kShippedPolicies, ", ")));
   const torch::Device device = SelectDevice(options.device);
   return std::make_unique<PolicyAgent>(
       name_or_file, UnpackPolicy(ReadSafetensors(file), file.string(), device), device);
@@ -45,14 +56,14 @@ std::unique_ptr<Agent> LoadAgent(const std::string& name_or_file, const AgentOpt
   if (name == "ranked")
     return std::make_unique<RankedAgent>(judge, LoadPolicy(planners.ranked.policy, options),
                                          planners.ranked);
-  if (name != "default" && !name.ends_with(".safetensors"))
+  if (!IsPolicy(name))
     throw Error(fmt::format("no agent '{}' in this version; allowed: {}", name, kAgentNames));
   return LoadPolicy(name, options);
 }
 
 std::optional<std::filesystem::path> PolicyFileOf(const std::string& name_or_file, const PlannerConfigs& planners) {
   if (name_or_file == "ranked") return PolicyPath(planners.ranked.policy);
-  if (name_or_file == "default" || name_or_file.ends_with(".safetensors")) return PolicyPath(name_or_file);
+  if (IsPolicy(name_or_file)) return PolicyPath(name_or_file);
   return std::nullopt;
 }
 

@@ -13,7 +13,8 @@ namespace sandwright {
 
 // What `--agent` takes.
 inline constexpr const char* kAgentNames =
-    "random, boustrophedon, sweep, greedy, cem, ga, ranked, default or a .safetensors file of a policy";
+    "random, boustrophedon, sweep, greedy, cem, ga, ranked, a shipped policy (default; walled: behind the gate of a 300 mm "
+    "bed; sampler: that ranked draws from) or a .safetensors file of one";
 
 // What an agent may need; `model` must outlive the agent.
 struct AgentOptions {
@@ -24,7 +25,7 @@ struct AgentOptions {
   const SafetyGate* gate = nullptr;  // whose refusals planners avoid; must outlive the agent
 };
 
-// One of kAgentNames; `default` is the shipped policy. Throws Error that lists them for any other name,
+// One of kAgentNames. Throws Error that lists them for any other name,
 // and for planners' keys that do not go together.
 std::unique_ptr<Agent> LoadAgent(const std::string& name_or_file, const AgentOptions& options);
 

@@ -14,7 +14,7 @@ struct RankedConfig {
 
   void Fields(FieldList& f) {
     f.Add("policy", policy,
-          "the policy: sampler (shipped to be ranked: its samples differ more), default or a .safetensors file");
+          "the policy: sampler (shipped to be ranked: its samples differ more), default, walled or a .safetensors file");
     f.Add("evaluations", evaluations,
           "model evaluations a stroke: the policy's own choice, samples of it, and refined ones", 1,
           100000);

@@ -171,7 +171,7 @@ TEST(PlannerConfigs, WhatDoesNotGoTogetherIsNamed) {
               ThrowsMessage<Error>(HasSubstr("ga.evaluations = 11")));
   planners.ranked.policy = "nobody";
   EXPECT_THAT([&] { LoadAgent("ranked", {sand, planners}); },
-              ThrowsMessage<Error>(HasSubstr("no policy 'nobody'; allowed: default, sampler or a .safetens")));
+              ThrowsMessage<Error>(HasSubstr("no policy 'nobody'; allowed: default, sampler, walled or a .saf")));
   const std::string unknown = "cem.evaluation=3", range = "sweep.bin_m=-1";
   EXPECT_THAT([&] { ApplyOverrides(FieldsOf(planners), {&unknown, 1}); },
               ThrowsMessage<Error>(HasSubstr("cem.evaluations")));
