@@ -131,11 +131,9 @@ std::map<std::string, double> ExpertIteration::Advance() {
 double ExpertIteration::Learn() {
   AdviceBuffer::Examples examples = buffer_.Sample(config_.minibatch_size, shuffle_stream_);
   if (config_.symmetry) {
-    const ObservationSpec& spec = env_.observation_spec();
-    const Region& region = env_.episodes()[0].region;
-    const bool square = spec.rows == spec.columns && region.width_m == region.depth_m;
-    const int symmetry = static_cast<int>(
-        shuffle_stream_.Index(square ? kSymmetriesOfSquare : kSymmetriesOfRectangle));
+    const int symmetries = SymmetriesOf(env_.observation_spec(), env_.episodes()[0].region);
+    const auto symmetry =
+        static_cast<int>(shuffle_stream_.Index(static_cast<uint64_t>(symmetries)));
     examples.observation.map = Transformed(examples.observation.map, symmetry);
     examples.action = TransformedAction(examples.action, symmetry);
   }

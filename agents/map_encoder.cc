@@ -2,23 +2,20 @@
 
 #include <cmath>
 
+#include "agents/perceptron.h"
+
 namespace sandwright {
 namespace {
 
 namespace nn = torch::nn;
 
-void Fill(torch::Tensor values, double limit, RandomStream& stream) {
-  const torch::NoGradGuard no_grad;
-  for (int64_t i = 0; i < values.numel(); ++i)
-    values.data_ptr<float>()[i] = static_cast<float>(stream.Uniform(-limit, limit));
-}
-
 template <class Layer>
 Layer Initialised(Layer layer, RandomStream& stream) {
   const int64_t inputs = layer->weight.numel() / layer->weight.size(0);
   const double limit = 1.0 / std::sqrt(static_cast<double>(inputs));
-  Fill(layer->weight, limit, stream);
-  Fill(layer->bias, limit, stream);
+  const torch::NoGradGuard no_grad;
+  for (torch::Tensor* values : {&layer->weight, &layer->bias})
+    values->copy_(UniformWithin(limit, values->sizes(), stream));
   return layer;
 }
 
@@ -33,11 +30,13 @@ MapEncoder::MapEncoder(const ObservationSpec& spec, int64_t channels, int64_t fe
     : outputs_(spec.vec_size()) {
   if (spec.map_size() == 0) return;
   const auto eighth = [](int64_t size) { return (size + 7) / 8; };
+  // One after the other: the order of the draws is not left to the compiler.
+  const auto half = Halving(std::ssize(spec.channels), channels, stream);
+  const auto quarter = Halving(channels, 2 * channels, stream);
+  const auto last = Halving(2 * channels, 2 * channels, stream);
   convolutions_ = register_module(
       "convolutions",
-      nn::Sequential(Halving(std::ssize(spec.channels), channels, stream), nn::ReLU(),
-                     Halving(channels, 2 * channels, stream), nn::ReLU(),
-                     Halving(2 * channels, 2 * channels, stream), nn::ReLU(), nn::Flatten()));
+      nn::Sequential(half, nn::ReLU(), quarter, nn::ReLU(), last, nn::ReLU(), nn::Flatten()));
   head_ = register_module(
       "head",
       nn::Sequential(

@@ -6,13 +6,6 @@
 namespace sandwright {
 namespace {
 
-torch::Tensor Uniform(std::vector<int64_t> shape, double limit, RandomStream& stream) {
-  auto values = torch::empty(shape);
-  for (int64_t i = 0; i < values.numel(); ++i)
-    values.data_ptr<float>()[i] = static_cast<float>(stream.Uniform(-limit, limit));
-  return values;
-}
-
 // [B, inputs] through all layers.
 torch::Tensor Through(const std::array<torch::Tensor, 3>& weight,
                       const std::array<torch::Tensor, 3>& bias, const torch::Tensor& input) {
@@ -26,6 +19,13 @@ torch::Tensor Through(const std::array<torch::Tensor, 3>& weight,
 
 }  // namespace
 
+torch::Tensor UniformWithin(double limit, torch::IntArrayRef shape, RandomStream& stream) {
+  auto values = torch::empty(shape);
+  for (int64_t i = 0; i < values.numel(); ++i)
+    values.data_ptr<float>()[i] = static_cast<float>(stream.Uniform(-limit, limit));
+  return values;
+}
+
 Perceptron::Perceptron(int64_t members, int64_t inputs, int64_t hidden, int64_t outputs,
                        RandomStream& stream) {
   const std::array<int64_t, 4> sizes = {inputs, hidden, hidden, outputs};
@@ -33,9 +33,9 @@ Perceptron::Perceptron(int64_t members, int64_t inputs, int64_t hidden, int64_t 
     const double limit = 1.0 / std::sqrt(static_cast<double>(sizes[layer]));
     const std::string number = std::to_string(layer);
     weight_[layer] = register_parameter(
-        "weight" + number, Uniform({members, sizes[layer], sizes[layer + 1]}, limit, stream));
+        "weight" + number, UniformWithin(limit, {members, sizes[layer], sizes[layer + 1]}, stream));
     bias_[layer] =
-        register_parameter("bias" + number, Uniform({members, 1, sizes[layer + 1]}, limit, stream));
+        register_parameter("bias" + number, UniformWithin(limit, {members, 1, sizes[layer + 1]}, stream));
   }
 }
 

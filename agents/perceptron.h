@@ -9,6 +9,9 @@
 
 namespace sandwright {
 
+// The first weights of a layer: uniform within +-`limit`, drawn from `stream`.
+torch::Tensor UniformWithin(double limit, torch::IntArrayRef shape, RandomStream& stream);
+
 // Two hidden layers of rectified linear units.
 class Perceptron : public torch::nn::Module {
  public:

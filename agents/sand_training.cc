@@ -142,16 +142,10 @@ class SandTraining final : public Training {
                               config_.initial_policy, config_.algorithm));
     CriticRule rule =
         config_.algorithm == "tqc" ? TruncatedQuantileCritics(config_.tqc) : TwinCritics();
-    trainer_ = std::make_unique<Sac>(env_, config_.sac, std::move(rule), seed, device_, Symmetries());
+    const int symmetries =
+        config_.sac.symmetry ? SymmetriesOf(env_.observation_spec(), env_.episodes()[0].region) : 1;
+    trainer_ = std::make_unique<Sac>(env_, config_.sac, std::move(rule), seed, device_, symmetries);
     card_.network = config_.sac.network;
-  }
-
-  int Symmetries() const {
-    if (!config_.sac.symmetry) return 1;
-    const ObservationSpec& spec = env_.observation_spec();
-    const Region& region = env_.episodes()[0].region;
-    return spec.rows == spec.columns && region.width_m == region.depth_m ? kSymmetriesOfSquare
-                                                                         : kSymmetriesOfRectangle;
   }
 
   TrainConfig config_;

@@ -12,6 +12,11 @@ torch::Tensor Wrapped(const torch::Tensor& heading) {
 
 }  // namespace
 
+int SymmetriesOf(const ObservationSpec& spec, const Region& region) {
+  return spec.rows == spec.columns && region.width_m == region.depth_m ? kSymmetriesOfSquare
+                                                                       : kSymmetriesOfRectangle;
+}
+
 torch::Tensor Transformed(const torch::Tensor& map, int symmetry) {
   auto out = symmetry & kSwap ? map.transpose(2, 3) : map;
   if (symmetry & kMirrorX) out = out.flip(3);

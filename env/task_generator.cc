@@ -34,24 +34,35 @@ double SandDepth(const HeightMap& terrain) {
                                         : std::numeric_limits<double>::infinity();
 }
 
+struct PlaceCells {
+  int columns, rows;
+};
+
+// Of a place of the configured extent, its sides times `side`.
+PlaceCells CellsOfPlace(const TaskConfig& config, const HeightMap& terrain, double side) {
+  const auto axis = [&](double extent_m, int cells, const char* key) {
+    const int size = extent_m == 0 ? cells : WholeCells(extent_m, terrain.cell_size_m, key);
+    if (size < 2 || size > cells)
+      throw Error(fmt::format("{} = {} m; allowed: 0 or {} to {} m, the box", key, extent_m,
+                              2 * terrain.cell_size_m, cells * terrain.cell_size_m));
+    return std::max(2, static_cast<int>(std::lround(side * size)));
+  };
+  return {axis(config.goal_width_m, terrain.columns, "goal_width_m"),
+          axis(config.goal_depth_m, terrain.rows, "goal_depth_m")};
+}
+
 // A place of the configured extent and share on whole cells, anywhere in the box.
 Region DrawPlace(const TaskConfig& config, const HeightMap& terrain, RandomStream& stream) {
   if (config.area_high < config.area_low)
     throw Error(fmt::format("area_high = {}; must be at least area_low = {}", config.area_high,
                             config.area_low));
   const double side = std::sqrt(DrawFrom(config.area_low, config.area_high, stream));
-  const auto axis = [&](double extent_m, int cells, const char* key) {
-    int size = extent_m == 0 ? cells : WholeCells(extent_m, terrain.cell_size_m, key);
-    if (size < 2 || size > cells)
-      throw Error(fmt::format("{} = {} m; allowed: 0 or {} to {} m, the box", key, extent_m,
-                              2 * terrain.cell_size_m, cells * terrain.cell_size_m));
-    size = std::max(2, static_cast<int>(std::lround(side * size)));
-    const auto first = stream.Index(static_cast<uint64_t>(cells - size + 1));
-    return std::pair(static_cast<double>(first) * terrain.cell_size_m, size * terrain.cell_size_m);
+  const auto [columns, rows] = CellsOfPlace(config, terrain, side);
+  const auto first_m = [&](int size, int cells) {
+    return static_cast<double>(stream.Index(static_cast<uint64_t>(cells - size + 1))) * terrain.cell_size_m;
   };
-  const auto [x, width] = axis(config.goal_width_m, terrain.columns, "goal_width_m");
-  const auto [y, depth] = axis(config.goal_depth_m, terrain.rows, "goal_depth_m");
-  return {x, y, width, depth};
+  const double x_m = first_m(columns, terrain.columns), y_m = first_m(rows, terrain.rows);
+  return {x_m, y_m, columns * terrain.cell_size_m, rows * terrain.cell_size_m};
 }
 
 const std::string& DrawKind(const TaskConfig& config, RandomStream& stream) {
@@ -107,11 +118,8 @@ HeightMap DrawLettersGoal(const TaskConfig& config, const HeightMap& terrain, co
 void CheckLettersFit(const TaskConfig& config, const HeightMap& terrain) {
   constexpr double kLines = 10.0 / 3;  // side of the least place that any letter fits into, in widths of its lines
   if (std::ranges::find(config.goals, kLetters) == config.goals.end()) return;
-  const auto side_m = [](double goal_m, double box_m) { return goal_m > 0 ? goal_m : box_m; };
-  const double whole_m = std::min(side_m(config.goal_width_m, terrain.width_m()),
-                                  side_m(config.goal_depth_m, terrain.depth_m()));
-  const double least_m = std::round(std::sqrt(config.area_low) * whole_m / terrain.cell_size_m) *
-                         terrain.cell_size_m;  // places are of whole cells
+  const auto [columns, rows] = CellsOfPlace(config, terrain, std::sqrt(config.area_low));
+  const double least_m = std::min(columns, rows) * terrain.cell_size_m;
   const double widest_m = least_m / kLines;
   if (config.narrowest_m <= widest_m + 1e-9) return;
   throw Error(fmt::format("narrowest_m = {}: letters of such lines do not fit into the least places, of {:.3f} m "
